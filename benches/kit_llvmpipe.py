@@ -90,7 +90,7 @@ class Scene:
         corners = np.zeros((self.count, 3, 4), "u4")
         corners[..., 0], corners[..., 1:3] = s["triangles"].reshape(-1, 3), s["sides"].reshape(-1, 3, 2)
         self.points = self.texture(table, 5)
-        self.ring = self.texture(s["ring"].reshape(-1, 1, 2).astype("u4"), 1)
+        self.ring = self.texture(s["ring"].reshape(-1, 1, 4).astype("u4"), 1)
         self.corners = self.texture(corners, 3)
         self.gradients, self.coefficients = self.texture(np.zeros((points, 2, 4), "f4"), 2), self.texture(np.zeros((self.count, 9, 4), "f4"), 9)
         # The whole number after the ambient light is nonzero for a parallel projection.

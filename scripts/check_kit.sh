@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Checks the files in shaders/ that programmers copy: glslangValidator compiles every GLSL and HLSL file, and a browser
-# with the package for three.js, Godot and OpenGL draw meshes as `machband shade` does. Needs glslangValidator, Node.js,
-# npm, Chromium, Godot 3, xvfb-run, Python with venv and Mesa's EGL, and the program in PROGRAMS (default: target/debug).
+# with the package for three.js and OpenGL draw meshes as `machband shade` does. Needs glslangValidator, Node.js, npm,
+# Chromium, Python with venv and Mesa's EGL, and the program in PROGRAMS (default: target/debug).
 set -euo pipefail
 cd "$(dirname "$0")/../shaders"
 
@@ -30,4 +30,3 @@ npm test
 python3 -m venv "$work/venv"
 "$work/venv/bin/python" -m pip install --quiet moderngl numpy pillow
 "$work/venv/bin/python" ../../benches/kit_llvmpipe.py --check "$MACHBAND"
-xvfb-run -a -s '-screen 0 800x700x24' node ../godot/test.mjs

@@ -44,19 +44,79 @@ const FLAT: f64 = 2e-3;
 /// No triangle.
 pub const NONE: u32 = u32::MAX;
 
-/// Triangles around each vertex over which the curvature does not jump; usually all of them.
+/// What [`coefficients`] and the passes on the graphics card need, once per mesh. At a jump of the curvature, a vertex is
+/// several points: one for each of its fans, the triangles around it over which the curvature does not jump.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Fans {
-    /// The vertex of each fan. The first fans are those of the vertices, in the same order.
+pub struct Surface {
+    /// The vertex of each point. The first points are those of the vertices, in the same order.
     pub vertices: Vec<u32>,
-    /// dN/dp of each fan, in the mesh's own axes and units.
+    /// The position of each point.
+    pub positions: Vec<V>,
+    /// The unit normal of each point.
+    pub normals: Vec<V>,
+    /// dN/dp at each point, in the mesh's own axes and units.
     pub curvature: Vec<Tensor>,
-    /// The fan of each corner of each triangle.
-    pub of_corners: Vec<[u32; 3]>,
-    /// The fans whose slopes count along the edges of each triangle: for each corner, along the edge to the next corner
+    /// The points at the corners of each triangle.
+    pub triangles: Vec<[u32; 3]>,
+    /// The points whose slopes count along the edges of each triangle: for each corner, along the edge to the next corner
     /// and along the edge to the previous one. Where the curvature jumps, both triangles use the flatter fan, to which
     /// the edge belongs exactly.
     pub sides: Vec<[[u32; 2]; 3]>,
+}
+
+impl Surface {
+    /// Computes the curvature of a mesh. Triangles go around counterclockwise as seen from outside.
+    pub fn new(positions: &[V], normals: &[V], triangles: &[[u32; 3]]) -> Surface {
+        Surface::joined(positions, normals, triangles, &neighbors(triangles))
+    }
+
+    /// Computes the curvature of a mesh whose triangles are joined as in `across`, which is what [`neighbors`] returns.
+    ///
+    /// Each face gets the tensor that best fits the differences between its corners' normals along its three edges. A
+    /// point gets the mean of its faces' tensors, turned into the vertex's tangent plane and weighted by the part of each
+    /// face that is nearest to the vertex. Faces without area do not count; a point without faces gets zero.
+    pub fn joined(positions: &[V], normals: &[V], triangles: &[[u32; 3]], across: &[[u32; 3]]) -> Surface {
+        let faces = triangles.iter().map(|t| Face::of(positions, normals, *t)).collect();
+        let parts = Parts { positions, triangles, across, faces };
+        let (vertices, triangles) = parts.divided();
+        let of = |vectors: &[V]| -> Vec<V> { vertices.iter().map(|v| vectors[*v as usize]).collect() };
+        let (positions, normals) = (of(positions), of(normals));
+        let mut sums = vec![([[0.0; 3]; 3], 0.0); vertices.len()];
+        for (t, face) in triangles.iter().zip(&parts.faces) {
+            let Some(face) = face else { continue };
+            let t = t.map(|point| point as usize);
+            for (point, weight) in t.into_iter().zip(nearest_areas(t.map(|point| positions[point]))) {
+                let tensor = turned(&face.tensor, face.normal, normals[point]);
+                let (sum, total) = &mut sums[point];
+                *sum = each(|i, j| sum[i][j] + weight * tensor[i][j]);
+                *total += weight;
+            }
+        }
+        let curvature: Vec<_> = sums.iter().zip(&normals).map(|((sum, total), n)| tangent(sum, *total, *n)).collect();
+        let sides = sides(&curvature, &triangles, across);
+        Surface { vertices, positions, normals, curvature, triangles, sides }
+    }
+
+    /// Returns what the passes on the card need to find the triangles around each point: where the list of each point
+    /// starts, with the end of the last; and for each triangle in a list, the points that follow and precede, and the third
+    /// point of the triangle across the edge to the one that precedes, or the point itself.
+    pub fn rings(&self) -> (Vec<u32>, Vec<[u32; 4]>) {
+        let (mut starts, mut lists) = (vec![0], vec![Vec::new(); self.positions.len()]);
+        for (t, across) in self.triangles.iter().zip(neighbors(&self.triangles)) {
+            for k in 0..3 {
+                let beyond = match across[(k + 1) % 3] {
+                    NONE => t[k],
+                    corner => self.triangles[corner as usize / 3][corner as usize % 3],
+                };
+                lists[t[k] as usize].push([t[(k + 1) % 3], t[(k + 2) % 3], beyond, 0]);
+            }
+        }
+        starts.extend(lists.iter().scan(0, |end, list| {
+            *end += list.len() as u32;
+            Some(*end)
+        }));
+        (starts, lists.concat())
+    }
 }
 
 /// Returns, for each edge k of each triangle, opposite corner k, the corner of the triangle across it: 3 · triangle +
@@ -91,79 +151,102 @@ pub fn neighbors(triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
     across
 }
 
-/// Finds the fans of a mesh and their curvature. `across` is what [`neighbors`] returns.
-///
-/// Each face gets the tensor that best fits the differences between its corners' normals along its three edges. A fan
-/// gets the mean of its faces' tensors, turned into the vertex's tangent plane and weighted by the part of each face that
-/// is nearest to the vertex. Faces without area do not count; a vertex without faces gets zero.
-pub fn fans(positions: &[V], normals: &[V], triangles: &[[u32; 3]], across: &[[u32; 3]]) -> Fans {
-    let faces: Vec<Option<Face>> = triangles.iter().map(|t| Face::of(positions, normals, *t)).collect();
-    let (vertices, of_corners) = divided(positions, triangles, across, &faces);
-    let mut sums = vec![([[0.0; 3]; 3], 0.0); vertices.len()];
-    for ((t, face), fans) in triangles.iter().zip(&faces).zip(&of_corners) {
-        let Some(face) = face else { continue };
-        let weights = nearest_areas(t.map(|v| positions[v as usize]));
-        for k in 0..3 {
-            let tensor = turned(&face.tensor, face.normal, normals[t[k] as usize]);
-            let (sum, total) = &mut sums[fans[k] as usize];
-            *sum = each(|i, j| sum[i][j] + weights[k] * tensor[i][j]);
-            *total += weights[k];
-        }
-    }
-    let mean = |(v, (sum, total)): (&u32, &(Tensor, f64))| tangent(sum, *total, normals[*v as usize]);
-    let curvature: Vec<Tensor> = vertices.iter().zip(&sums).map(mean).collect();
-    let sides = sides(&curvature, &of_corners, across);
-    Fans { vertices, curvature, of_corners, sides }
+/// A mesh without its normals, and what its faces say about them.
+struct Parts<'a> {
+    positions: &'a [V],
+    triangles: &'a [[u32; 3]],
+    across: &'a [[u32; 3]],
+    faces: Vec<Option<Face>>,
 }
 
-/// Divides the triangles around the vertices at jumps of the curvature. Other vertices keep one fan, even where their
-/// faces do not join.
-fn divided(
-    positions: &[V],
-    triangles: &[[u32; 3]],
-    across: &[[u32; 3]],
-    faces: &[Option<Face>],
-) -> (Vec<u32>, Vec<[u32; 3]>) {
-    let (mut vertices, mut of_corners): (Vec<u32>, _) = ((0..positions.len() as u32).collect(), triangles.to_vec());
-    let is_jump = |(t, k, other): (u32, u32, u32)| {
-        is_jump(positions, triangles, across, faces, (t as usize, k as usize), other as usize / 3)
-    };
-    let jumps: Vec<bool> = shared_edges(across).map(is_jump).collect();
-    if !jumps.contains(&true) {
-        return (vertices, of_corners);
-    }
-    let mut parent: Vec<u32> = (0..3 * triangles.len() as u32).collect();
-    let mut at_jump = vec![false; positions.len()];
-    for ((t, k, other), is_jump) in shared_edges(across).zip(jumps) {
-        let (u, l) = (other / 3, other % 3);
-        let ends = [1, 2].map(|end| (t * 3 + (k + end) % 3, u * 3 + (l + 3 - end) % 3));
-        if is_jump {
-            for (own, _) in ends {
-                at_jump[triangles[own as usize / 3][own as usize % 3] as usize] = true;
-            }
-        } else {
-            for (own, their) in ends {
-                join(&mut parent, own, their);
-            }
+impl Parts<'_> {
+    /// Divides the triangles around the vertices at jumps of the curvature: returns the vertex of each point, and the points
+    /// at the corners. Other vertices keep one fan, even where their faces do not join.
+    fn divided(&self) -> (Vec<u32>, Vec<[u32; 3]>) {
+        let Parts { positions, triangles, across, .. } = *self;
+        let (mut vertices, mut of_corners): (Vec<u32>, _) = ((0..positions.len() as u32).collect(), triangles.to_vec());
+        let jumps: Vec<bool> = shared_edges(across).map(|edge| self.is_jump(edge)).collect();
+        if !jumps.contains(&true) {
+            return (vertices, of_corners);
         }
-    }
-    let mut of_root: HashMap<u32, u32> = HashMap::new();
-    let mut has_first = vec![false; positions.len()];
-    for corner in 0..parent.len() as u32 {
-        let of_corner = &mut of_corners[corner as usize / 3][corner as usize % 3];
-        let vertex = *of_corner;
-        if at_jump[vertex as usize] {
-            *of_corner = *of_root.entry(root(&mut parent, corner)).or_insert_with(|| {
-                if std::mem::replace(&mut has_first[vertex as usize], true) {
-                    vertices.push(vertex);
-                    vertices.len() as u32 - 1
-                } else {
-                    vertex
+        let mut parent: Vec<u32> = (0..3 * triangles.len() as u32).collect();
+        let mut at_jump = vec![false; positions.len()];
+        for ((t, k, other), is_jump) in shared_edges(across).zip(jumps) {
+            let (u, l) = (other / 3, other % 3);
+            let ends = [1, 2].map(|end| (t * 3 + (k + end) % 3, u * 3 + (l + 3 - end) % 3));
+            if is_jump {
+                for (own, _) in ends {
+                    at_jump[triangles[own as usize / 3][own as usize % 3] as usize] = true;
                 }
-            });
+            } else {
+                for (own, their) in ends {
+                    join(&mut parent, own, their);
+                }
+            }
+        }
+        let mut of_root: HashMap<u32, u32> = HashMap::new();
+        let mut has_first = vec![false; positions.len()];
+        for corner in 0..parent.len() as u32 {
+            let of_corner = &mut of_corners[corner as usize / 3][corner as usize % 3];
+            let vertex = *of_corner;
+            if at_jump[vertex as usize] {
+                *of_corner = *of_root.entry(root(&mut parent, corner)).or_insert_with(|| {
+                    if std::mem::replace(&mut has_first[vertex as usize], true) {
+                        vertices.push(vertex);
+                        vertices.len() as u32 - 1
+                    } else {
+                        vertex
+                    }
+                });
+            }
+        }
+        (vertices, of_corners)
+    }
+
+    /// True if the curvature across an edge jumps there, as between a plane and a rounding: one side is flat across the
+    /// edge and continues into a face with the same curvature, and the other side is bent. Without such jumps, the slope of
+    /// the normals would be averaged over both sides, and planes would ripple.
+    fn is_jump(&self, (t, k, other): (u32, u32, u32)) -> bool {
+        let Parts { positions, triangles, across, faces } = self;
+        let [t, k, u] = [t, k, other / 3].map(|i| i as usize);
+        let (Some(one), Some(other)) = (&faces[t], &faces[u]) else { return false };
+        let [a, b] = [1, 2].map(|end| positions[triangles[t][(k + end) % 3] as usize]);
+        // The change of the normal across each face, as far as the face extends.
+        let bend = |face: &Face, t: usize| {
+            let direction = unit(cross(face.normal, sub(b, a)));
+            let corners = triangles[t].map(|v| dot(sub(positions[v as usize], a), direction));
+            let extent = corners.into_iter().fold(0.0, f64::max) - corners.into_iter().fold(0.0, f64::min);
+            (dot(direction, times(&face.tensor, direction)), extent)
+        };
+        let ((own, extent), (their, their_extent)) = (bend(one, t), bend(other, u));
+        let continues = |t: usize, face: &Face, scale: f64| {
+            across[t].iter().filter(|next| **next != NONE && **next as usize / 3 != t).any(|next| {
+                let Some(neighbor) = &faces[*next as usize / 3] else { return false };
+                let turned = turned(&neighbor.tensor, neighbor.normal, face.normal);
+                squares(&each(|i, j| turned[i][j] - face.tensor[i][j])) <= (FLAT * scale).powi(2)
+            })
+        };
+        let is_flat = |flat: f64, bent: f64, extent: f64| flat.abs() <= FLAT * bent.abs() && bent.abs() * extent > BENT;
+        is_flat(own, their, their_extent) && continues(t, one, their.abs())
+            || is_flat(their, own, extent) && continues(u, other, own.abs())
+    }
+}
+
+/// Returns, for each of `count` points, the other vertices of its triangles, each once, in the order of the triangles. Each
+/// triangle is given by the points and the vertices of its corners.
+pub fn around(count: usize, triangles: impl Iterator<Item = ([u32; 3], [u32; 3])>) -> Vec<Vec<u32>> {
+    let mut rings = vec![Vec::new(); count];
+    for (points, vertices) in triangles {
+        for k in 0..3 {
+            let ring: &mut Vec<u32> = &mut rings[points[k] as usize];
+            for other in [vertices[(k + 1) % 3], vertices[(k + 2) % 3]] {
+                if !ring.contains(&other) {
+                    ring.push(other);
+                }
+            }
         }
     }
-    (vertices, of_corners)
+    rings
 }
 
 /// Every shared edge once: the lower triangle, its corner opposite the edge, and the corner across.
@@ -185,39 +268,6 @@ pub fn root(parent: &mut [u32], mut at: u32) -> u32 {
         at = parent[at as usize];
     }
     at
-}
-
-/// True if the curvature across an edge jumps there, as between a plane and a rounding: one side is flat across the
-/// edge and continues into a face with the same curvature, and the other side is bent. Without such jumps, the slope of
-/// the normals would be averaged over both sides, and planes would ripple.
-fn is_jump(
-    positions: &[V],
-    triangles: &[[u32; 3]],
-    across: &[[u32; 3]],
-    faces: &[Option<Face>],
-    (t, k): (usize, usize),
-    u: usize,
-) -> bool {
-    let (Some(one), Some(other)) = (&faces[t], &faces[u]) else { return false };
-    let [a, b] = [1, 2].map(|end| positions[triangles[t][(k + end) % 3] as usize]);
-    // The change of the normal across each face, as far as the face extends.
-    let bend = |face: &Face, t: usize| {
-        let direction = unit(cross(face.normal, sub(b, a)));
-        let corners = triangles[t].map(|v| dot(sub(positions[v as usize], a), direction));
-        let extent = corners.into_iter().fold(0.0, f64::max) - corners.into_iter().fold(0.0, f64::min);
-        (dot(direction, times(&face.tensor, direction)), extent)
-    };
-    let ((own, extent), (their, their_extent)) = (bend(one, t), bend(other, u));
-    let continues = |t: usize, face: &Face, scale: f64| {
-        across[t].iter().filter(|next| **next != NONE && **next as usize / 3 != t).any(|next| {
-            let Some(neighbor) = &faces[*next as usize / 3] else { return false };
-            let turned = turned(&neighbor.tensor, neighbor.normal, face.normal);
-            squares(&each(|i, j| turned[i][j] - face.tensor[i][j])) <= (FLAT * scale).powi(2)
-        })
-    };
-    let is_flat = |flat: f64, bent: f64, extent: f64| flat.abs() <= FLAT * bent.abs() && bent.abs() * extent > BENT;
-    is_flat(own, their, their_extent) && continues(t, one, their.abs())
-        || is_flat(their, own, extent) && continues(u, other, own.abs())
 }
 
 fn sides(curvature: &[Tensor], of_corners: &[[u32; 3]], across: &[[u32; 3]]) -> Vec<[[u32; 2]; 3]> {
@@ -345,7 +395,7 @@ fn tangents(normal: V, other: V) -> [V; 2] {
 /// Any direction on which both sides agree would make the slope continuous. This one meets the edges of thin triangles
 /// well inside, whatever the neighbors' shapes. The perpendicular on the screen would not follow the foreshortening of
 /// the surface, and its light bends by a tenth to a third more near silhouettes.
-pub fn across(screen: &impl Screen, places: [[f64; 2]; 2], eyes: [V; 2], normals: [V; 2]) -> [f64; 2] {
+fn across(screen: &impl Screen, places: [[f64; 2]; 2], eyes: [V; 2], normals: [V; 2]) -> [f64; 2] {
     let edge = minus(places[1], places[0]);
     let middle = scale(add(eyes[0], eyes[1]), 0.5);
     let across = screen.moved(middle, cross(add(normals[0], normals[1]), sub(eyes[1], eyes[0])));
@@ -395,15 +445,21 @@ impl Slope {
     }
 }
 
-/// Returns the coefficients of one triangle from the places, values and slopes of its corners, and the direction on the
-/// screen across each edge. For each corner, the first slope counts along the edge to the next corner, and the second
-/// along the edge to the previous one.
-pub fn cubic(place: [[f64; 2]; 3], value: [V; 3], slope: [[&Gradient; 2]; 3], across: [[f64; 2]; 3]) -> Coefficients {
+/// Returns the coefficients of one triangle from the places on the screen, points in view space, normals, values and slopes
+/// of its corners. For each corner, the first slope counts along the edge to the next corner, and the second along the
+/// edge to the previous one.
+pub fn cubic(
+    screen: &impl Screen,
+    (place, eye, normal): ([[f64; 2]; 3], [V; 3], [V; 3]),
+    value: [V; 3],
+    slope: [[&Gradient; 2]; 3],
+) -> Coefficients {
     let centroid = [0, 1].map(|i| (place[0][i] + place[1][i] + place[2][i]) / 3.0);
     // Where the line across each edge through the centroid meets the edge: 0 at its first corner, 1 at its second.
     let crossing = [0, 1, 2].map(|k| {
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-        let at = perp(minus(centroid, place[i]), across[k]) / perp(minus(place[j], place[i]), across[k]);
+        let across = across(screen, [place[i], place[j]], [eye[i], eye[j]], [normal[i], normal[j]]);
+        let at = perp(minus(centroid, place[i]), across) / perp(minus(place[j], place[i]), across);
         if at.is_finite() { at } else { 0.5 }
     });
     let mut out = [[0.0; 3]; 12];
@@ -472,68 +528,6 @@ pub fn value(k: &Coefficients, w: [f64; 3]) -> V {
     [of(0), of(1), of(2)]
 }
 
-/// What [`coefficients`] and the passes on the graphics card need, once per mesh. A vertex at a jump of the curvature is
-/// several points: one for each of its fans.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Surface {
-    /// The position of each point.
-    pub positions: Vec<V>,
-    /// The unit normal of each point.
-    pub normals: Vec<V>,
-    /// dN/dp at each point.
-    pub curvature: Vec<Tensor>,
-    /// The points at the corners of each triangle.
-    pub triangles: Vec<[u32; 3]>,
-    /// The points whose slopes count along the edges; see [`Fans::sides`].
-    pub sides: Vec<[[u32; 2]; 3]>,
-}
-
-impl Surface {
-    /// Computes the curvature of a mesh. Triangles go around counterclockwise as seen from outside.
-    pub fn new(positions: &[V], normals: &[V], triangles: &[[u32; 3]]) -> Surface {
-        let fans = fans(positions, normals, triangles, &neighbors(triangles));
-        let of = |vectors: &[V]| fans.vertices.iter().map(|v| vectors[*v as usize]).collect();
-        let (positions, normals) = (of(positions), of(normals));
-        Surface { positions, normals, curvature: fans.curvature, triangles: fans.of_corners, sides: fans.sides }
-    }
-
-    /// Returns what the passes on the card need to find the triangles around each point: where the list of each point
-    /// starts, with the end of the last; and for each triangle in a list, the points that follow and precede. The
-    /// triangles of a list go around the point.
-    pub fn rings(&self) -> (Vec<u32>, Vec<[u32; 2]>) {
-        let count = self.positions.len();
-        let mut pairs = vec![Vec::new(); count];
-        for t in &self.triangles {
-            for k in 0..3 {
-                pairs[t[k] as usize].push([t[(k + 1) % 3], t[(k + 2) % 3]]);
-            }
-        }
-        let (mut starts, mut ring) = (vec![0], Vec::with_capacity(3 * self.triangles.len()));
-        // Of each point, the point around which it was last seen to follow or to precede, and in which pair it follows.
-        let (mut follows, mut precedes) = (vec![(NONE, 0); count], vec![NONE; count]);
-        for (own, pairs) in (0..).zip(&pairs) {
-            for (i, [next, previous]) in pairs.iter().enumerate() {
-                (follows[*next as usize], precedes[*previous as usize]) = ((own, i), own);
-            }
-            let mut is_left = vec![true; pairs.len()];
-            // First the fans that begin at a border, then the closed ones.
-            let borders = (0..pairs.len()).filter(|i| precedes[pairs[*i][0] as usize] != own);
-            for first in borders.chain(0..pairs.len()) {
-                let mut at = first;
-                while std::mem::take(&mut is_left[at]) {
-                    ring.push(pairs[at]);
-                    match follows[pairs[at][1] as usize] {
-                        (seen, i) if seen == own => at = i,
-                        _ => break,
-                    }
-                }
-            }
-            starts.push(ring.len() as u32);
-        }
-        (starts, ring)
-    }
-}
-
 /// A camera as OpenGL has it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
@@ -596,17 +590,8 @@ pub fn coefficients(surface: &Surface, camera: &Camera) -> Vec<[[f32; 3]; 12]> {
         let corners = [a?, b?, c?];
         (perp(minus(corners[1], corners[0]), minus(corners[2], corners[0])) > 0.0).then_some(corners)
     };
-    // The other points of the drawn triangles around each point.
-    let mut rings = vec![Vec::new(); eyes.len()];
-    for t in surface.triangles.iter().filter(|t| drawn(**t).is_some()) {
-        for k in 0..3 {
-            for other in [t[(k + 1) % 3], t[(k + 2) % 3]] {
-                if !rings[t[k] as usize].contains(&other) {
-                    rings[t[k] as usize].push(other);
-                }
-            }
-        }
-    }
+    let drawn_points = surface.triangles.iter().filter(|t| drawn(**t).is_some()).map(|t| (*t, *t));
+    let rings = around(eyes.len(), drawn_points);
     let slope = |v: usize| {
         let mut sum = Slope::default();
         let Some(own) = places[v] else { return sum.solve() };
@@ -627,13 +612,10 @@ pub fn coefficients(surface: &Surface, camera: &Camera) -> Vec<[[f32; 3]; 12]> {
     let slopes: Vec<Gradient> = (0..eyes.len()).map(slope).collect();
     let of_triangle = |(t, sides): (&[u32; 3], &[[u32; 2]; 3])| {
         let Some(place) = drawn(*t) else { return [[0.0; 3]; 12] };
-        let corners = t.map(|v| v as usize);
-        let across = [0, 1, 2].map(|k| {
-            let ends = [(k + 1) % 3, (k + 2) % 3];
-            across(camera, ends.map(|i| place[i]), ends.map(|i| eyes[corners[i]]), ends.map(|i| normals[corners[i]]))
-        });
+        let of = |vectors: &[V]| t.map(|v| vectors[v as usize]);
         let slopes = sides.map(|sides| sides.map(|side| &slopes[side as usize]));
-        cubic(place, corners.map(|v| normals[v]), slopes, across).map(|k| k.map(|x| x as f32))
+        let (eye, normal) = (of(&eyes), of(&normals));
+        cubic(camera, (place, eye, normal), normal, slopes).map(|k| k.map(|x| x as f32))
     };
     surface.triangles.iter().zip(&surface.sides).map(of_triangle).collect()
 }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 from collections.abc import Iterable, Mapping
@@ -15,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _machband
-from ._common import Table, flag, in_python, named, nearest, number, plotted, suggests, table
+from ._common import Table, axes, flag, in_python, named, nearest, number, suggests, table
 from ._common import path as path_of
 from ._tables import columns, encoded, labeled
 
@@ -37,7 +38,12 @@ class Figure(NamedTuple):
 
     def plot(self, ax: Any = None) -> Any:
         """Draw the figure on axes of matplotlib, by default new ones, and return them."""
-        return plotted(self.png, ax)
+        from matplotlib import image
+
+        ax = axes(ax)
+        ax.imshow(image.imread(io.BytesIO(self.png), format="png"))
+        ax.set_axis_off()
+        return ax
 
 
 @suggests

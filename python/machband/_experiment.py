@@ -170,6 +170,8 @@ def simulate(
     >>> len(simulate("quick", participants=2, seed=7))
     56
     """
+    if resume and results is None:
+        raise _machband.Error(f"resume is {resume!r} without results; expected the folder of the interrupted run")
     if isinstance(definition, Mapping):
         definition = Definition.from_dict(definition)
     if not isinstance(definition, Definition):

@@ -83,7 +83,7 @@ def mach_band(
         whole number from 1 to 32, or inf.
     tanh_k
         Steepness k of a ramp of infinite depth: 5 as printed; 10 leaves no visible step at the ends. Expected:
-        a steepness above 0 and at most 100, such as 5.
+        a steepness from 0.001 to 100, such as 5.
     orientation_deg
         Orientation, counterclockwise: 0 brightens to the right, 90 upward. Expected: an angle in degrees, such
         as 45.

@@ -46,39 +46,35 @@ pub fn read_results(py: Python<'_>, folder: PathBuf, progress: Option<Py<PyAny>>
 
 fn read(folder: &Path, job: &Job) -> anyhow::Result<Table> {
     let files = Listed::sessions(folder).complete(folder)?.files;
-    let mut all: Vec<Column> = Vec::new();
-    let mut simulated = Column::new(experiment::SIMULATED, "", "Whether a program answered instead of a person.");
+    let (mut all, mut simulated) = (Vec::<Column>::new(), Vec::new());
     for (i, csv) in files.iter().enumerate() {
         job.progress(i as u64, files.len() as u64);
         let header = ratings::column_names(csv)?;
         let columns = experiment::columns_by_header(header.iter().map(String::as_str));
         let rows = results::read(csv, &columns)?;
-        let before = simulated.cells.len();
+        let before = simulated.len();
         let sidecar = Sidecar::read(&csv.with_extension("json"))?;
         let of_program = |sidecar: Sidecar| sidecar.sittings.iter().any(|sitting| sitting.observer.is_some());
-        let of_program = u32::from(sidecar.is_some_and(of_program));
-        simulated.cells.resize(before + rows.len(), of_program.into());
+        simulated.resize(before + rows.len(), u32::from(sidecar.is_some_and(of_program)).into());
         let kind = rows.first().and_then(|row| Stimulus::default_of(&row.stimulus));
-        for experiment::Column { name, unit, description, .. } in &columns {
-            if all.iter().all(|known| known.name != *name) {
-                let parameters = kind.iter().flat_map(|kind| kind.parameters());
-                let known = parameters.filter(|_| description.is_empty()).find(|known| known.name == name);
-                all.push(known.map_or_else(
-                    || Column::new(name, unit, description),
-                    |known| Column::new(name, known.unit, known.description),
-                ));
-            }
-        }
-        // A cell that a session does not have is missing.
-        all.iter_mut().for_each(|column| column.cells.resize(before, Cell::Missing));
-        let place = |column: &experiment::Column| all.iter().position(|known| known.name == column.name);
-        let places: Vec<usize> = columns.iter().filter_map(place).collect();
+        let place = |experiment::Column { name, unit, description, .. }: &experiment::Column| {
+            all.iter().position(|known| known.name == *name).unwrap_or_else(|| {
+                let mut parameters = kind.iter().flat_map(|kind| kind.parameters());
+                let known = parameters.find(|known| description.is_empty() && known.name == name);
+                let (unit, about) = known.map_or((&**unit, &**description), |known| (known.unit, known.description));
+                all.push(Column { cells: vec![Cell::Missing; before], ..Column::new(name, unit, about) });
+                all.len() - 1
+            })
+        };
+        let places: Vec<usize> = columns.iter().map(place).collect();
         for row in rows {
             places.iter().zip(row.values()).for_each(|(place, cell)| all[*place].cells.push(cell));
         }
+        // A cell that a session does not have is missing.
+        all.iter_mut().for_each(|column| column.cells.resize(simulated.len(), Cell::Missing));
     }
-    all.iter_mut().for_each(|column| column.cells.resize(simulated.cells.len(), Cell::Missing));
-    all.push(simulated);
+    let about = "Whether a program answered instead of a person.";
+    all.push(Column { cells: simulated, ..Column::new(experiment::SIMULATED, "", about) });
     Ok(Table { columns: all })
 }
 

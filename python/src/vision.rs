@@ -27,17 +27,16 @@ pub enum Shown<'py> {
 
 impl Shown<'_> {
     fn picture(self) -> PyResult<Picture> {
-        let shape = match &self {
-            Self::Eight(array) => array.shape(),
-            Self::Sixteen(array) => array.shape(),
-            Self::Light(array) => array.shape(),
+        let codes = |shape: &[usize], samples| {
+            Picture::Codes(CodeImage { width: shape[1] as u32, height: shape[0] as u32, samples })
         };
-        let (height, width) = (shape[0] as u32, shape[1] as u32);
-        let codes = |samples| Picture::Codes(CodeImage { width, height, samples });
         Ok(match self {
-            Self::Eight(array) => codes(Samples::Eight(array.as_slice()?.to_vec())),
-            Self::Sixteen(array) => codes(Samples::Sixteen(array.as_slice()?.to_vec())),
-            Self::Light(array) => Picture::Light(LinearImage { width, height, data: array.as_slice()?.to_vec() }),
+            Self::Eight(array) => codes(array.shape(), Samples::Eight(array.as_slice()?.to_vec())),
+            Self::Sixteen(array) => codes(array.shape(), Samples::Sixteen(array.as_slice()?.to_vec())),
+            Self::Light(array) => {
+                let (data, shape) = (array.as_slice()?.to_vec(), array.shape());
+                Picture::Light(LinearImage { width: shape[1] as u32, height: shape[0] as u32, data })
+            }
         })
     }
 }
@@ -50,7 +49,7 @@ type Predicted = (Option<f64>, Option<f64>, f64, Option<f64>, Option<f64>, Optio
 #[pyfunction]
 pub fn predict(py: Python<'_>, fields: Fields, kind: &str, parameters: Given) -> PyResult<Predicted> {
     let (request, stimulus) = (request::<Predict>(fields)?, stimulus_of(kind, parameters)?);
-    let found = job::run(py, None, false, move |job| request.one(Some(&stimulus), job))?;
+    let (found, _) = job::run(py, None, false, move |job| request.one(Some(&stimulus), job))?;
     let (detection, rating) = (found.detection, found.rating);
     Ok(match found.visible {
         Visible::Ramp(bands) => {

@@ -119,6 +119,19 @@ def test_ctrl_c_stops_long_work(work, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+@on_linux
+def test_ctrl_c_stops_a_large_array():
+    values = np.full(20_000_000, 0.5)
+    start = time.perf_counter()
+    machband.interpolate(values, 9)
+    whole = time.perf_counter() - start
+    signal.signal(signal.SIGALRM, signal.default_int_handler)
+    signal.setitimer(signal.ITIMER_REAL, whole / 4)
+    with pytest.raises(KeyboardInterrupt):
+        machband.interpolate(values, 9)
+    assert time.perf_counter() - start < 1.8 * whole
+
+
 def resident():
     """Return the memory of this process in MB."""
     return int(re.search(r"VmRSS:\s+(\d+)", Path("/proc/self/status").read_text())[1]) / 1024

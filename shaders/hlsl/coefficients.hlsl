@@ -77,11 +77,11 @@ uint2 NagaDimensions2D(Texture2D<uint4> tex)
     return ret.xy;
 }
 
-uint2 pair_of(uint at_1)
+uint3 around(uint at_1)
 {
     const uint2 _e5 = texel(at_1, NagaDimensions2D(ring).x);
     uint4 _e7 = ring.Load(int3(_e5, int(0)));
-    return _e7.xy;
+    return _e7.xyz;
 }
 
 float3 eye_of(uint v_1)
@@ -225,7 +225,6 @@ Slope slope_of(uint v_5)
 {
     Equations sum_3 = ConstructEquations((0.0).xxx, (0.0).xxx, (0.0).xxx);
     uint i = (uint)0;
-    bool local_1 = (bool)0;
 
     const float3 _e1 = eye_of(v_5);
     const float3 _e2 = normal_of(v_5);
@@ -241,8 +240,8 @@ Slope slope_of(uint v_5)
         if (all(loop_bound == uint2(0u, 0u))) { break; }
         loop_bound -= uint2(loop_bound.y == 0u, 1u);
         if (!loop_init) {
-            uint _e65 = i;
-            i = (_e65 + 1u);
+            uint _e47 = i;
+            i = (_e47 + 1u);
         }
         loop_init = false;
         uint _e21 = i;
@@ -252,62 +251,52 @@ Slope slope_of(uint v_5)
         }
         {
             uint _e23 = i;
-            const uint2 _e24 = pair_of(_e23);
+            const uint3 _e24 = around(_e23);
             const float3 _e26 = screen_of(_e24.x);
             const float3 _e28 = screen_of(_e24.y);
             const bool _e29 = is_drawn(_e3, _e26, _e28);
-            if (!(_e29)) {
-                continue;
-            }
-            Equations _e31 = sum_3;
-            const Equations _e36 = neighbor(_e31, _e24.x, (_e26.xy - _e3.xy), _e2);
-            sum_3 = _e36;
-            uint _e37 = i;
-            uint _e40 = i;
-            const uint2 _e45 = pair_of((((_e40 + 1u) == end) ? start : (_e37 + 1u)));
-            if (!((_e45.x != _e24.y))) {
-                const float3 _e53 = screen_of(_e45.y);
-                const bool _e54 = is_drawn(_e3, _e28, _e53);
-                local_1 = !(_e54);
-            } else {
-                local_1 = true;
-            }
-            bool _e57 = local_1;
-            if (_e57) {
-                Equations _e58 = sum_3;
-                const Equations _e63 = neighbor(_e58, _e24.y, (_e28.xy - _e3.xy), _e2);
-                sum_3 = _e63;
+            if (_e29) {
+                Equations _e30 = sum_3;
+                const Equations _e35 = neighbor(_e30, _e24.x, (_e26.xy - _e3.xy), _e2);
+                sum_3 = _e35;
+                const float3 _e37 = screen_of(_e24.z);
+                const bool _e38 = is_drawn(_e3, _e28, _e37);
+                if (!(_e38)) {
+                    Equations _e40 = sum_3;
+                    const Equations _e45 = neighbor(_e40, _e24.y, (_e28.xy - _e3.xy), _e2);
+                    sum_3 = _e45;
+                }
             }
         }
     }
-    float _e69 = sum_3.matrix_.x;
-    float _e72 = sum_3.matrix_.z;
-    float trace_1 = (_e69 + _e72);
+    float _e51 = sum_3.matrix_.x;
+    float _e54 = sum_3.matrix_.z;
+    float trace_1 = (_e51 + _e54);
     float weight_1 = ((trace_1 > 0.0) ? (0.07 / trace_1) : 0.0);
-    float3 _e81 = sum_3.matrix_;
-    float3 _e84 = sum_3.right;
-    float3 _e87 = sum_3.up;
-    sum_3 = ConstructEquations((_e81 * weight_1), (_e84 * weight_1), (_e87 * weight_1));
-    const float3 _e90 = toward_eye(_e1);
-    const float3 _e91 = across_both(_e2, _e90);
-    float3 away = cross(_e2, _e91);
-    const float3 _e93 = across_both(_e90, _e2);
-    const float2 _e94 = moved(_e1, _e93);
-    float pixels = length(_e94);
-    float facing = clamp((dot(_e2, _e90) / 0.05), 0.0, 1.0);
-    Equations _e102 = sum_3;
-    const float2 _e103 = moved(_e1, _e91);
-    const float3 _e106 = bent(v_5, _e91);
-    const Equations _e109 = observed(_e102, (_e103 / (pixels).xx), (_e106 / (pixels).xxx), facing);
-    sum_3 = _e109;
-    Equations _e110 = sum_3;
-    const float2 _e111 = moved(_e1, away);
-    const float3 _e114 = bent(v_5, away);
-    const Equations _e117 = observed(_e110, (_e111 / (pixels).xx), (_e114 / (pixels).xxx), facing);
-    sum_3 = _e117;
-    Equations _e118 = sum_3;
-    const Slope _e119 = solved(_e118);
-    const Slope slope_2 = _e119;
+    float3 _e63 = sum_3.matrix_;
+    float3 _e66 = sum_3.right;
+    float3 _e69 = sum_3.up;
+    sum_3 = ConstructEquations((_e63 * weight_1), (_e66 * weight_1), (_e69 * weight_1));
+    const float3 _e72 = toward_eye(_e1);
+    const float3 _e73 = across_both(_e2, _e72);
+    float3 away = cross(_e2, _e73);
+    const float3 _e75 = across_both(_e72, _e2);
+    const float2 _e76 = moved(_e1, _e75);
+    float pixels = length(_e76);
+    float facing = clamp((dot(_e2, _e72) / 0.05), 0.0, 1.0);
+    Equations _e84 = sum_3;
+    const float2 _e85 = moved(_e1, _e73);
+    const float3 _e88 = bent(v_5, _e73);
+    const Equations _e91 = observed(_e84, (_e85 / (pixels).xx), (_e88 / (pixels).xxx), facing);
+    sum_3 = _e91;
+    Equations _e92 = sum_3;
+    const float2 _e93 = moved(_e1, away);
+    const float3 _e96 = bent(v_5, away);
+    const Equations _e99 = observed(_e92, (_e93 / (pixels).xx), (_e96 / (pixels).xxx), facing);
+    sum_3 = _e99;
+    Equations _e100 = sum_3;
+    const Slope _e101 = solved(_e100);
+    const Slope slope_2 = _e101;
     return slope_2;
 }
 

@@ -8,10 +8,8 @@ import { bulges, coefficients, curvature, welded } from "./ordinates.js";
 import { cubic as cubicHere } from "./glsl.js";
 import { extent, Passes } from "./passes.js";
 
-export { bulges, coefficients, cubic, curvature, rings, welded } from "./ordinates.js";
-
 // Smaller meshes are faster in JavaScript than as two passes on the card.
-const FEW = 2000;
+const FEW = 500;
 // Materials whose shaders have no normals.
 const UNLIT = ["isMeshBasicMaterial", "isMeshDepthMaterial", "isMeshDistanceMaterial", "isShadowMaterial"];
 // Where C1 normals belong in a shader.
@@ -288,19 +286,16 @@ class Views extends Normals {
     let view = this.known.get(camera);
     if (!view) {
       if (this.known.size >= CAMERAS) this.#forget(this.known.keys().next().value);
-      view = { last: new Float64Array(33), isOnCard: this.#fits(renderer) };
+      view = { last: [], isOnCard: this.#fits(renderer) };
       this.known.set(camera, view);
     }
     renderer.getCurrentViewport(size);
     // Only the shape of the viewport matters.
-    const aspect = size.z / size.w, { last, target } = view;
+    const aspect = size.z / size.w, now = [...modelView.elements, ...projection.elements, aspect], { last, target } = view;
     // What is on a card belongs to one renderer, and is gone after it lost its context.
     const isThere = !target || (view.renderer === renderer && renderer.properties.get(target.texture).__webglTexture);
-    if (!isThere || !same(last, modelView.elements, projection.elements, aspect)) {
-      view.renderer = renderer;
-      last.set(modelView.elements);
-      last.set(projection.elements, 16);
-      last[32] = aspect;
+    if (!isThere || now.some((x, i) => x !== last[i])) {
+      Object.assign(view, { renderer, last: now });
       if (view.isOnCard) {
         this.shape.passes ??= new Passes(this.shape.whole, this.shape.points);
         view.target ??= this.shape.passes.target();
@@ -333,11 +328,6 @@ class Views extends Normals {
 }
 
 const size = new Vector4(), [a, b, c] = [new Vector3(), new Vector3(), new Vector3()];
-
-function same(last, modelView, projection, aspect) {
-  for (let i = 0; i < 16; i++) if (last[i] !== modelView[i] || last[16 + i] !== projection[i]) return false;
-  return last[32] === aspect;
-}
 
 // True if a matrix turns and scales, but neither distorts nor mirrors.
 function keepsShape(matrix) {

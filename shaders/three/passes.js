@@ -4,7 +4,7 @@
 
 import {
   BufferGeometry, DataTexture, Float32BufferAttribute, FloatType, GLSL3, Mesh, NearestFilter, NoBlending,
-  OrthographicCamera, RawShaderMaterial, RGBAFormat, RGBAIntegerFormat, RGIntegerFormat, Scene, UnsignedIntType, Vector2,
+  OrthographicCamera, RawShaderMaterial, RGBAFormat, RGBAIntegerFormat, Scene, UnsignedIntType, Vector2,
   WebGLRenderTarget,
 } from "three";
 import * as glsl from "./glsl.js";
@@ -34,8 +34,8 @@ export function extent(items, texels) {
   return [perRow * texels, Math.max(Math.ceil(items / perRow), 1)];
 }
 
-function table(items, texels, array, format, channels, internalFormat) {
-  const [width, height] = extent(items, texels), data = new array(width * height * channels);
+function table(items, texels, array, format, internalFormat) {
+  const [width, height] = extent(items, texels), data = new array(4 * width * height);
   const texture = new DataTexture(data, width, height, format, array === Float32Array ? FloatType : UnsignedIntType);
   // Older versions of three.js do not find it.
   texture.internalFormat = internalFormat;
@@ -52,9 +52,9 @@ export class Passes {
   constructor({ positions, normals }, { vertices, tensors, triangles, sides, starts, ring }) {
     const count = vertices.length;
     this.triangles = triangles.length / 3;
-    const points = table(count, 5, Float32Array, RGBAFormat, 4, "RGBA32F");
-    const around = table(triangles.length, 1, Uint32Array, RGIntegerFormat, 2, "RG32UI");
-    const corners = table(this.triangles, 3, Uint32Array, RGBAIntegerFormat, 4, "RGBA32UI");
+    const points = table(count, 5, Float32Array, RGBAFormat, "RGBA32F");
+    const around = table(triangles.length, 1, Uint32Array, RGBAIntegerFormat, "RGBA32UI");
+    const corners = table(this.triangles, 3, Uint32Array, RGBAIntegerFormat, "RGBA32UI");
     for (let p = 0; p < count; p++) {
       const { data } = points.image, at = 20 * p, v = 3 * vertices[p];
       for (let i = 0; i < 3; i++) {

@@ -1,29 +1,27 @@
-// Joins the seams of shapes; opens the page in a browser without a window and holds its pixels against the pictures of
-// `machband shade`: at most 2 codes apart inside the outline, apart from one pixel in ten thousand, where one part may
-// hide another; and uses applyC1 as programs do. `node test.mjs`; MACHBAND is the program, CHROMIUM the browser.
+// Joins the seams of shapes; draws in a browser without a window and holds the pixels against the pictures of `machband
+// shade`: at most 2 codes apart inside the outline, apart from one pixel in ten thousand, where one part may hide another;
+// and uses applyC1 as programs do. `npm test`; MACHBAND is the program.
 
 import { execFileSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
-import { chromium } from "playwright-core";
 import { PNG } from "pngjs";
 import * as THREE from "three";
 import { RoundedBoxGeometry } from "three/addons/geometries/RoundedBoxGeometry.js";
-import { applyC1, welded } from "./index.js";
-import { serve } from "./serve.mjs";
+import { applyC1 } from "./index.js";
+import { welded } from "./ordinates.js";
+import { open } from "./page.mjs";
 
-const SIDE = 512, FILL = 0.9, ROTATE = [25, -35, 10], MOST = 2;
+const SIDE = 512, MOST = 2;
 const MACHBAND = process.env.MACHBAND ?? fileURLToPath(new URL("../../target/debug/machband", import.meta.url));
-const CHROMIUM = process.env.CHROMIUM ?? "/usr/bin/chromium";
 
 let failed = false;
 const expect = (is, text) => {
   console.log(`${is ? "" : "FAILED: "}${text}`);
   failed ||= !is;
 };
-
 
 // The seams of three.js's own shapes, where positions differ by rounding errors, are joined, whatever their size.
 const seams = [[new THREE.TorusGeometry(1, 0.4, 8, 16), 8 * 16], [new THREE.SphereGeometry(1, 16, 10), 9 * 16 + 2]];
@@ -46,14 +44,16 @@ for (const x of [1e13, 3e38]) {
   const found = welded(position.array, normal.array).positions.length / 3;
   expect(found > 5 * 8, `a vertex at ${x}: ${position.count} vertices become ${found}`);
 }
+const thrown = (by) => {
+  try {
+    by();
+  } catch (error) {
+    return error;
+  }
+};
 const { position: places, normal: normals } = sphere(0).geometry.attributes;
 for (const [short, index, word] of [[3, undefined, "the same number"], [0, [0, 1, 1e6], "index 1000000"], [0, [0, 1, -1], "index -1"]]) {
-  let error;
-  try {
-    welded(places.array, normals.array.slice(short), index);
-  } catch (thrown) {
-    error = thrown;
-  }
+  const error = thrown(() => welded(places.array, normals.array.slice(short), index));
   expect(error instanceof RangeError && error.message.includes(word), `a mesh that is not one: ${error}`);
 }
 const smooth = sphere(0, new THREE.MeshStandardMaterial()), others = [
@@ -63,12 +63,7 @@ const smooth = sphere(0, new THREE.MeshStandardMaterial()), others = [
 const outside = sphere(0, new THREE.MeshStandardMaterial());
 outside.geometry.index.setX(0, 1e4);
 others.push(outside);
-let refusal;
-try {
-  applyC1({ scene: smooth });
-} catch (thrown) {
-  refusal = thrown;
-}
+const refusal = thrown(() => applyC1({ scene: smooth }));
 expect(refusal instanceof TypeError && refusal.message.endsWith("expected one, such as gltf.scene"), `a glTF: ${refusal}`);
 const { meshes, skipped } = applyC1(new THREE.Group().add(smooth, ...others));
 expect(meshes.length === 1 && meshes[0] === smooth, `applied to ${meshes.length} mesh; expected 1`);
@@ -80,29 +75,23 @@ expect(reasons === wanted.join(), `skipped: ${reasons}`);
 
 // Shapes whose curvature jumps: planes and cylinders that continue into roundings.
 function lathe() {
-  const profile = [[0, -0.8], [0.5, -0.8], [0.6, -0.7], [0.6, 0.7], [0.5, 0.8], [0, 0.8]], rounded = [];
-  profile.forEach(([x, y], i) => {
-    const bevel = i > 0 && i < 5 ? 4 : 0;
-    if (bevel === 0) rounded.push(new THREE.Vector2(x, y));
-    if (i !== 1 && i !== 3) return;
-    const center = new THREE.Vector2(0.5, i === 1 ? -0.7 : 0.7), from = i === 1 ? -90 : 0;
-    for (let k = 0; k <= bevel; k++) {
-      const angle = ((from + (90 * k) / bevel) * Math.PI) / 180;
-      rounded.push(new THREE.Vector2(0.1 * Math.cos(angle), 0.1 * Math.sin(angle)).add(center));
-    }
-  });
-  const geometry = new THREE.LatheGeometry(rounded, 24), { position, normal } = geometry.attributes;
+  const half = [-90, -90, -67.5, -45, -22.5, 0], sides = 24;
+  const angles = [...half, ...half.map((angle) => -angle).reverse()].map(THREE.MathUtils.degToRad), last = angles.length - 1;
+  const geometry = new THREE.LatheGeometry(angles.map((angle, i) => new THREE.Vector2(
+    i === 0 || i === last ? 0 : 0.5 + 0.1 * Math.cos(angle), (i < half.length ? -0.7 : 0.7) + 0.1 * Math.sin(angle),
+  )), sides);
   // Normals of the surface, as modeling programs write them.
-  for (let i = 0; i < position.count; i++) {
-    const [x, y, z] = [position.getX(i), position.getY(i), position.getZ(i)], out = Math.hypot(x, z) || 1;
-    const bent = [Math.max(out - 0.5, 0) / 0.1, Math.sign(y) * Math.max(Math.abs(y) - 0.7, 0) / 0.1];
-    const [side, up] = Math.hypot(x, z) < 1e-6 ? [0, Math.sign(y)] : bent, length = Math.hypot(side, up);
-    normal.setXYZ(i, (side * x) / out / length, up / length, (side * z) / out / length);
+  const { normal } = geometry.attributes, place = new THREE.Vector3();
+  for (let v = 0; v < normal.count; v++) {
+    const angle = angles[v % angles.length], turn = (2 * Math.PI * Math.floor(v / angles.length)) / sides;
+    normal.setXYZ(v, ...place.setFromSphericalCoords(1, Math.PI / 2 - angle, turn));
   }
   return geometry;
 }
-const capsule = new THREE.CapsuleGeometry(0.5, 1, 8, 20);
-const shapes = { "rounded box": new RoundedBoxGeometry(1.6, 1.2, 1, 4, 0.1), capsule, lathe: lathe() };
+const shapes = {
+  knot: new THREE.TorusKnotGeometry(0.7, 0.25, 96, 12), lathe: lathe(), capsule: new THREE.CapsuleGeometry(0.5, 1, 8, 20),
+  "rounded box": new RoundedBoxGeometry(1.6, 1.2, 1, 4, 0.1),
+};
 const plain = (geometry) => {
   const { position, normal } = geometry.attributes;
   // Joined, so that the program sees the same seams.
@@ -117,7 +106,7 @@ const folder = mkdtempSync(join(tmpdir(), "c1-"));
 function picture({ file, shader, shine, distance }) {
   const out = join(folder, "picture.png");
   execFileSync(MACHBAND, [
-    "shade", "--mesh", file, "--shader", shader, "--rotate", ROTATE.join(), "--size", `${SIDE}`, "--background", "0", "--force",
+    "shade", "--mesh", file, "--shader", shader, "--rotate", "25,-35,10", "--size", `${SIDE}`, "--background", "0", "--force",
     "--ambient", "0.1", "--diffuse", "0.6", "--specular", shine ? "0.3" : "0", "--shininess", "20",
     "--distance", distance ? `${distance}` : "inf", "--out", out,
   ], { stdio: "pipe" });
@@ -200,39 +189,67 @@ async function usage() {
   return results;
 }
 
-const { server, address } = await serve();
-const browser = await chromium.launch({
-  executablePath: CHROMIUM,
-  args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--no-first-run",
-         "--disable-background-networking", "--disable-component-update", "--disable-sync", "--disable-quic"],
-});
-try {
-  const page = await browser.newPage({ viewport: { width: 1200, height: 560 } });
-  const faults = [];
-  page.on("pageerror", (error) => faults.push(error.message));
-  page.on("console", (message) => ["error", "warning"].includes(message.type()) && faults.push(message.text()));
-  await page.goto(address);
-  await page.waitForFunction("window.ready", null, { timeout: 60_000 });
-  if (process.env.SCREENSHOT) await page.screenshot({ path: process.env.SCREENSHOT });
+// Runs in the page: a mesh as machband sees it, in codes from the bottom row on, with the lights of three.js and no shine; or,
+// with `shine`, with machband's own light in a user's onBeforeCompile.
+function codes({ positions, normals, index, shader, shine, gpu, side, distance }) {
+  const { THREE, applyC1 } = window, renderer = (window.renderer ??= new THREE.WebGLRenderer());
+  const attribute = (array) => new THREE.Float32BufferAttribute(array, 3), material = new THREE.MeshPhongMaterial({ specular: 0 });
+  const geometry = new THREE.BufferGeometry().setAttribute("position", attribute(positions))
+    .setAttribute("normal", attribute(normals)).setIndex(index);
+  const lamp = new THREE.Vector3(0.36, 0.48, 0.8);
+  if (shine) {
+    // Reflection after Phong, where three.js has that after Blinn.
+    material.onBeforeCompile = (shader) => {
+      shader.fragmentShader = shader.fragmentShader.replace("#include <opaque_fragment>", `
+        vec3 lamp = normalize(vec3(${lamp.toArray()})), eye = isOrthographic ? vec3(0.0, 0.0, 1.0) : normalize(vViewPosition);
+        float cosine = dot(normal, lamp), shine = max(2.0 * cosine * dot(normal, eye) - dot(lamp, eye), 0.0);
+        outgoingLight = vec3(cosine > 0.0 ? 0.1 + 0.6 * cosine + 0.3 * pow(shine, 20.0) : 0.1);
+        #include <opaque_fragment>`);
+    };
+  }
+  const mesh = new THREE.Mesh(geometry, material), { position } = geometry.attributes, place = new THREE.Vector3(), fill = 0.9;
+  const center = new THREE.Box3().setFromBufferAttribute(position).getCenter(new THREE.Vector3());
+  let radius = 0;
+  for (let i = 0; i < position.count; i++) radius = Math.max(radius, center.distanceTo(place.fromBufferAttribute(position, i)));
+  mesh.rotation.set(...[25, -35, 10].map(THREE.MathUtils.degToRad), "ZYX");
+  mesh.scale.setScalar(1 / radius);
+  mesh.position.copy(center).divideScalar(-radius).applyEuler(mesh.rotation);
+  let eye = new THREE.OrthographicCamera(-1 / fill, 1 / fill, 1 / fill, -1 / fill, 0.1, 10);
+  if (distance) {
+    eye = new THREE.PerspectiveCamera((2 * Math.atan(1 / (fill * Math.sqrt(distance ** 2 - 1))) * 180) / Math.PI, 1, 0.01, 100);
+  }
+  eye.position.z = distance || 3;
+  const sun = new THREE.DirectionalLight(0xffffff, 0.6 * Math.PI);
+  sun.position.copy(lamp);
+  const scene = new THREE.Scene().add(mesh, sun, new THREE.AmbientLight(0xffffff, 0.1 * Math.PI));
+  const own = shader === "c1-phong" && applyC1(scene, { gpu });
+  const target = new THREE.WebGLRenderTarget(side, side, { type: THREE.FloatType }), pixels = new Float32Array(4 * side * side);
+  renderer.setRenderTarget(target);
+  renderer.render(scene, eye);
+  renderer.readRenderTargetPixels(target, 0, 0, side, side, pixels);
+  if (own) own.dispose();
+  target.dispose();
+  const code = (light) => Math.round(255 * (light <= 0.0031308 ? 12.92 * light : 1.055 * light ** (1 / 2.4) - 0.055));
+  return Array.from({ length: side * side }, (_, i) => code(pixels[4 * i]));
+}
 
-  const jobs = [{ name: "mesh.glb", file: fileURLToPath(new URL("mesh.glb", import.meta.url)), shader: "phong", distance: 0 }];
-  for (const name of ["mesh.glb", ...Object.keys(shapes)]) {
-    const shape = shapes[name] && plain(shapes[name]), file = shape ? join(folder, `${name}.obj`) : jobs[0].file;
-    if (shape) {
-      const item = (key, x) => (key === "f" ? `${x + 1}//${x + 1}` : x);
-      const lines = (key, of) => of.map((x, i) => (i % 3 === 0 ? `\n${key} ` : " ") + item(key, x)).join("");
-      writeFileSync(file, `${lines("v", shape.positions)}${lines("vn", shape.normals)}${lines("f", shape.index)}\n`);
-    }
-    for (const distance of [0, 3]) jobs.push({ name, shape, file, shader: "c1-phong", shine: !shape, distance });
+const { page, faults } = await open();
+try {
+  const jobs = [];
+  for (const [name, geometry] of Object.entries(shapes)) {
+    const shape = plain(geometry), file = join(folder, `${name}.obj`), shine = name === "knot";
+    const item = (key, x) => (key === "f" ? `${x + 1}//${x + 1}` : x);
+    const lines = (key, of) => of.map((x, i) => (i % 3 === 0 ? `\n${key} ` : " ") + item(key, x)).join("");
+    writeFileSync(file, `${lines("v", shape.positions)}${lines("vn", shape.normals)}${lines("f", shape.index)}\n`);
+    if (shine) jobs.push({ ...shape, name, file, shader: "phong" });
+    for (const distance of [0, 3]) jobs.push({ ...shape, name, file, shader: "c1-phong", shine, distance });
   }
   for (const job of jobs) {
     const data = picture(job);
     for (const gpu of job.shader === "phong" ? [false] : [false, true]) {
-      const codes = await page.evaluate(
-        (view) => window.codes(view), { ...job, gpu, side: SIDE, rotate: ROTATE, fill: FILL },
-      );
+      const drawn = await page.evaluate(codes, { ...job, gpu, side: SIDE });
       // The page's rows begin at the bottom.
-      const of = [(x, y) => codes[(SIDE - 1 - y) * SIDE + x], (x, y) => data[4 * (y * SIDE + x)]];
+      const of = [(x, y) => drawn[(SIDE - 1 - y) * SIDE + x], (x, y) => data[4 * (y * SIDE + x)]];
       let worst = 0, compared = 0, above = 0;
       for (let y = 2; y < SIDE - 2; y++) {
         for (let x = 2; x < SIDE - 2; x++) {
@@ -253,8 +270,7 @@ try {
   for (const [text, is] of Object.entries(await page.evaluate(usage))) expect(is === true, `${text}${is === true ? "" : `: ${is}`}`);
   expect(faults.length === 0, `the browser complains ${faults.length} times ${faults.join("\n")}`);
 } finally {
-  await browser.close();
-  server.close();
+  await page.context().browser().close();
   rmSync(folder, { recursive: true });
 }
 process.exit(failed ? 1 : 0);

@@ -22,7 +22,8 @@ struct Camera {
 // Five texels for each point: its position and where its list in `ring` starts; its normal and where the list ends; and
 // the columns of dN/dp, a symmetric matrix.
 @group(0) @binding(1) var points: texture_2d<f32>;
-// For each triangle in a point's list, the points that follow and that precede. The triangles go around the point.
+// For each triangle in a point's list, the points that follow and that precede, and the third point of the triangle across
+// the edge to the one that precedes, or the point itself.
 @group(0) @binding(2) var ring: texture_2d<u32>;
 // Three texels for each triangle, one for each corner: its point, and the points whose slopes count along the edges to
 // the next corner and to the previous one.
@@ -51,8 +52,8 @@ fn point(v: u32, which: u32) -> vec4f {
     return textureLoad(points, texel(5u * v + which, textureDimensions(points).x), 0);
 }
 
-fn pair_of(at: u32) -> vec2u {
-    return textureLoad(ring, texel(at, textureDimensions(ring).x), 0).xy;
+fn around(at: u32) -> vec3u {
+    return textureLoad(ring, texel(at, textureDimensions(ring).x), 0).xyz;
 }
 
 fn eye_of(v: u32) -> vec3f {
@@ -139,17 +140,15 @@ fn slope_of(v: u32) -> Slope {
     let end = u32(point(v, 1u).w);
     var sum = Equations(vec3f(0.0), vec3f(0.0), vec3f(0.0));
     for (var i = start; i < end; i++) {
-        let pair = pair_of(i);
-        let next = screen_of(pair.x);
-        let previous = screen_of(pair.y);
-        if !is_drawn(own, next, previous) {
-            continue;
-        }
-        sum = neighbor(sum, pair.x, next.xy - own.xy, normal);
-        // A point that precedes v in one triangle follows it in the next one, and counts there.
-        let beside = pair_of(select(i + 1u, start, i + 1u == end));
-        if beside.x != pair.y || !is_drawn(own, previous, screen_of(beside.y)) {
-            sum = neighbor(sum, pair.y, previous.xy - own.xy, normal);
+        let others = around(i);
+        let next = screen_of(others.x);
+        let previous = screen_of(others.y);
+        if is_drawn(own, next, previous) {
+            sum = neighbor(sum, others.x, next.xy - own.xy, normal);
+            // A point that precedes v in one triangle follows it in the next one, and counts there.
+            if !is_drawn(own, previous, screen_of(others.z)) {
+                sum = neighbor(sum, others.y, previous.xy - own.xy, normal);
+            }
         }
     }
     let trace = sum.matrix.x + sum.matrix.z;

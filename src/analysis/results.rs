@@ -7,7 +7,7 @@ use super::{
     Calibration, Link, MAX_COEFFICIENTS, Margin, ModelError, ModelReport, ModelSpec, Note, Prediction, Random,
     Resampling, Slopes,
     agreement::{Alpha, kappa, mean_kappa, ordinal_alpha},
-    counts::{Counts, MAX_LEVELS, Measured, Quartiles},
+    counts::{Counts, MAX_LEVELS, Measured},
     fit_calibrated,
     rank_tests::{Friedman, PERMUTATIONS, SubjectMeans, friedman},
     summary::{Group, by_cell, by_factor, by_subject},
@@ -92,8 +92,6 @@ pub struct Results {
     pub alpha: Option<Alpha>,
     /// Agreement within participants: the mean of weighted κ over participants and its interval.
     pub kappa: Option<(f64, Option<Interval>)>,
-    /// Response times for each category.
-    pub times: Vec<Option<Quartiles>>,
 }
 
 /// The results for one factor.
@@ -116,8 +114,8 @@ pub struct FactorResults {
     pub matched: SubjectMeans,
     /// Test of whether any level differs; `None` if there is only one participant or level, or if there are items.
     pub friedman: Option<Friedman>,
-    /// Response times for each level.
-    pub times: Vec<Option<Quartiles>>,
+    /// The median response time at each level, in seconds.
+    pub times: Vec<Option<f64>>,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -129,8 +127,8 @@ pub struct SubjectResults {
     /// Quadratically weighted κ of first and second ratings; `None` if there are no repetitions or all ratings are the
     /// same.
     pub kappa: Option<f64>,
-    /// The participant's response times.
-    pub times: Option<Quartiles>,
+    /// The participant's median response time, in seconds.
+    pub time: Option<f64>,
 }
 
 impl FactorResults {
@@ -292,11 +290,11 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
     let subjects: Vec<SubjectResults> = (by_subject(counts).into_iter())
         .zip(agreed.retests())
         .zip(measured.times_by(people, |row| Some(row.subject as usize)))
-        .map(|((group, retest), times)| SubjectResults {
+        .map(|((group, retest), time)| SubjectResults {
             group,
             retests: retest.len() as u64,
             kappa: kappa(&retest),
-            times,
+            time,
         })
         .collect();
     let margins = model.as_ref().map_or(&[][..], |report| &report.margins);
@@ -307,7 +305,6 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
     };
     let factors = factors.iter().map(described).collect();
     let kappas: Vec<f64> = subjects.iter().filter_map(|subject| subject.kappa).collect();
-    let times = measured.times_by(counts.categories.len(), |row| Some(row.rating.into()));
     Results {
         cells,
         factors,
@@ -317,7 +314,6 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
         model,
         alpha: if people > 1 { alpha } else { None },
         kappa: mean_kappa(&kappas),
-        times,
         options: options.clone(),
         whole,
         measured,

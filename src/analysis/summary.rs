@@ -54,9 +54,25 @@ pub fn by_cell(counts: &Counts) -> Vec<Group> {
 
 /// Summarizes every combination of the levels of some factors, given by index.
 pub fn by_levels(counts: &Counts, factors: &[usize]) -> Vec<Group> {
+    of_combinations(counts, factors, true, |mean, _| Some(mean))
+}
+
+/// Returns what [`by_levels`] does, without intervals, if every participant's mean in each condition were that of `expected`;
+/// conditions without one are left out.
+pub fn by_levels_as(counts: &Counts, factors: &[usize], expected: &[Option<f64>]) -> Vec<Group> {
+    of_combinations(counts, factors, false, |_, condition| expected.get(condition as usize).copied().flatten())
+}
+
+/// Summarizes combinations of levels; `mean` returns what counts as the mean of a participant in a condition.
+fn of_combinations(
+    counts: &Counts,
+    factors: &[usize],
+    intervals: bool,
+    mean: impl Fn(f64, u32) -> Option<f64>,
+) -> Vec<Group> {
     let Combinations { all, of } = counts.combinations(factors);
     let name = |group: usize| counts.names(factors, &all[group]).into_iter().map(str::to_owned).collect();
-    groups(counts, all.len(), |row| of[row.condition as usize], name, true)
+    groups(counts, all.len(), |row| of[row.condition as usize], name, intervals, mean)
 }
 
 /// Summarizes every level of a factor. Ratings without a level are left out.
@@ -67,7 +83,7 @@ pub fn by_factor(counts: &Counts, factor: usize) -> Vec<Group> {
 /// Summarizes every participant, without intervals.
 pub fn by_subject(counts: &Counts) -> Vec<Group> {
     let name = |group: usize| vec![counts.subjects[group].clone()];
-    groups(counts, counts.subjects.len(), |row| row.subject as usize, name, false)
+    groups(counts, counts.subjects.len(), |row| row.subject as usize, name, false, |mean, _| Some(mean))
 }
 
 /// Computes each participant's mean rating in some groups of the rows; `None` without ratings.
@@ -94,6 +110,7 @@ fn groups(
     group_of: impl Fn(&CountRow) -> usize,
     name: impl Fn(usize) -> Vec<String> + Sync,
     intervals: bool,
+    mean: impl Fn(f64, u32) -> Option<f64>,
 ) -> Vec<Group> {
     let values = category_values(counts);
     let mut tallies = vec![vec![0_u64; values.len()]; number];
@@ -102,17 +119,13 @@ fn groups(
     // Rows are sorted by participant and condition.
     for cell in counts.rows.chunk_by(|l, r| (l.subject, l.condition) == (r.subject, r.condition)) {
         let group = group_of(&cell[0]);
-        let (mut n, mut sum) = (0.0, 0.0);
-        for row in cell {
-            tallies[group][row.rating as usize] += row.count;
-            n += row.count as f64;
-            sum += row.count as f64 * values[row.rating as usize];
-        }
-        if n > 0.0 {
-            let (conditions, means) = shares[group].entry(cell[0].subject).or_default();
-            *conditions += 1.0;
-            *means += sum / n;
-        }
+        let n = cell.iter().map(|row| row.count as f64).sum::<f64>();
+        let sum = cell.iter().map(|row| row.count as f64 * values[row.rating as usize]).sum::<f64>();
+        let Some(mean) = mean(sum / n, cell[0].condition).filter(|_| n > 0.0) else { continue };
+        cell.iter().for_each(|row| tallies[group][row.rating as usize] += row.count);
+        let (conditions, means) = shares[group].entry(cell[0].subject).or_default();
+        *conditions += 1.0;
+        *means += mean;
     }
     let single = counts.subjects.len() == 1;
     (tallies.par_iter().zip(&shares).enumerate())

@@ -5,7 +5,7 @@ use eframe::egui::{self, Context, RichText, Ui, ViewportCommand};
 use super::{
     session::Trials,
     ui::{
-        Field, Place, ask, hint, modal, paragraph,
+        Field, Place, ask, hint, modal, paged, paragraph,
         pixels::logo,
         secondary, section,
         theme::{CONTROL, GAP, SECTION},
@@ -23,6 +23,7 @@ const ZOOMS: [f32; 6] = [0.75, 1.0, 1.25, 1.5, 1.75, 2.0];
 const EVERYWHERE: &[(&str, &str)] = &[
     ("Ctrl+1 … Ctrl+5", "Go to Studies, Analyze, Stimuli, Shading, Display"),
     ("Tab, Shift+Tab", "Go to the next or previous control"),
+    ("Page Up, Page Down", "Scroll"),
     ("Esc", "Close a list or dialog; leave a field; then go back"),
     ("Ctrl + and Ctrl −", "Enlarge or reduce text and controls; Ctrl+0 restores their size"),
     ("Ctrl+Q", "Quit; asks first during a session, or if a copy is not saved"),
@@ -104,7 +105,7 @@ pub fn settings(ctx: &Context, settings: &mut Settings, notice: Option<&str>) ->
 /// Draws a dialog with a Close button; returns whether it stays open.
 fn dialog(ctx: &Context, id: &str, add: impl FnOnce(&mut Ui)) -> bool {
     let (clicked, closed) = modal(ctx, id, WIDTH, |ui, height| {
-        egui::ScrollArea::vertical().max_height(height - CONTROL - 2.0 * GAP).show(ui, add);
+        egui::ScrollArea::vertical().max_height(height - CONTROL - 2.0 * GAP).show(ui, |ui| paged(ui, add));
         ui.add_space(GAP);
         ui.button("Close").clicked()
     });

@@ -151,11 +151,16 @@ impl App {
                 })
             }
             Place::Display => {
-                let protocol = self.studies.checked().and_then(|checked| checked.protocol.as_ref());
-                let window_deg = protocol.map_or(10.0, |protocol| protocol.viewing.window_deg);
-                let fields = self.studies.screen();
+                let checked = self.studies.check(monitor);
+                self.studies.remember(&mut self.memory.settings, monitor, &checked);
+                let window_deg = checked.protocol.as_ref().map_or(10.0, |protocol| protocol.viewing.window_deg);
                 let display = self.display.get_or_insert_default();
-                Step::back_if(display.show(ui, monitor, fields, window_deg))
+                let step = display.show(ui, monitor, self.studies.screen(), checked.profile(), window_deg);
+                if step == Step::Next(()) {
+                    // The file may have the same name as before.
+                    self.studies.refresh(false, &self.memory.settings);
+                }
+                Step::back_if(step == Step::Back)
             }
             Place::Analyze => {
                 let analysis = self.analysis.get_or_insert_default();

@@ -78,7 +78,7 @@ fn summarize(shader: Shader, found: &Metrics) -> anyhow::Result<()> {
             difference.own.largest,
             found.viewing.window_deg,
             difference.own.p95,
-            relative(difference.over_gouraud.largest)
+            relative(difference.over_gouraud["largest"].as_f64())
         ),
         None if found.masked.is_some() => {
             format!("{shader}: nothing can be compared with the smooth surface, so only the creases are measured")

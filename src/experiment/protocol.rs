@@ -227,17 +227,19 @@ impl Definition {
         conditions
     }
 
-    /// Returns whether the pictures could not be read, so that their factors are not known.
-    fn lacks_pictures(&self) -> bool {
-        matches!(&self.stimulus, Stimulus::Image(shown) if shown.gallery.pictures.is_empty())
+    /// Returns the number of conditions.
+    fn cells(&self) -> usize {
+        match &self.stimulus {
+            Stimulus::Image(pictures) => pictures.each().count(),
+            _ => self.factors.iter().fold(1, |cells: usize, factor| cells.saturating_mul(factor.levels.len())),
+        }
     }
 
     fn check_factors(&self, errors: &mut DefinitionErrors) -> Vec<Condition> {
         let before = errors.0.len();
         for (i, factor) in self.factors.iter().enumerate() {
             let path = format!("factors.{}", factor.name);
-            // Why there are no pictures was told when they were read.
-            if factor.levels.is_empty() && !self.lacks_pictures() {
+            if factor.levels.is_empty() {
                 errors.add(&path, format!("factor {} is empty; expected at least one level", factor.name));
             }
             if self.factors[..i].iter().any(|other| other.name == factor.name) {
@@ -267,9 +269,7 @@ impl Definition {
         // With repetitions = 0, which is reported as its own error, there are no trials, but there are still cells.
         let adaptive = self.adaptive.as_ref().map(|adaptive| adaptive.common.trials);
         let repetitions = adaptive.unwrap_or(self.design.repetitions).max(1) as usize;
-        let crossed = self.factors.iter().fold(1, |n: usize, factor| n.saturating_mul(factor.levels.len()));
-        let cells = if let Stimulus::Image(pictures) = &self.stimulus { pictures.each().count() } else { crossed };
-        let main = cells.saturating_mul(repetitions);
+        let main = self.cells().saturating_mul(repetitions);
         let trials = main.saturating_add(self.design.practice as usize);
         if trials > MAX_TRIALS {
             errors.add("factors", format!("the design has {trials} trials; expected at most {MAX_TRIALS}"));
@@ -306,7 +306,6 @@ impl Definition {
         }
         if let Some(name) = design.order.factor()
             && !self.factors.iter().any(|factor| factor.name == name)
-            && !self.lacks_pictures()
         {
             let known: Vec<_> = self.factors.iter().map(|f| f.name.as_str()).collect();
             let expected = match known[..] {
@@ -319,7 +318,7 @@ impl Definition {
 
     fn check_task(&self, errors: &mut DefinitionErrors) {
         let adapted = self.adaptive.iter().flat_map(|adaptive| adaptive.parameters()).collect();
-        let given = Given { stimulus: &self.stimulus, factors: &self.factors, adapted };
+        let given = Given { stimulus: &self.stimulus, factors: &self.factors, conditions: self.cells(), adapted };
         self.task.check(&given, errors);
         let is_changed = self.task.dial().is_some_and(|dial| dial.parameter.is_some());
         let has_own = is_changed || matches!(self.task.layout(), Layout::Intervals { .. });
@@ -335,11 +334,10 @@ impl Definition {
             );
             errors.add("adaptive", message);
         }
-        adaptive.check(&self.stimulus, &self.factors, &*self.task, errors);
+        adaptive.check(&given, &*self.task, errors);
     }
 
-    /// Adds an error if a parameter that the task or the adaptive method sets contradicts another one, or if the reference is
-    /// the target.
+    /// Adds an error if a parameter that the task or the adaptive method sets contradicts another one.
     fn check_shown(&self, conditions: &[Condition], errors: &mut DefinitionErrors) {
         if self.task.is_default() {
             return;
@@ -358,12 +356,6 @@ impl Definition {
             if let Some((path, error)) = shown.into_iter().find_map(wrong) {
                 return errors.add(path, error.to_string());
             }
-        }
-        let Some(reference) = self.task.reference() else { return };
-        let is_same = |target: Stimulus| reference.apply(&target).is_ok_and(|other| other == target);
-        if conditions.iter().any(|condition| targets(condition, &picks).all(is_same)) {
-            let message = "all stimuli of a trial are the same; expected a reference that differs from the target";
-            errors.add("task.reference", message);
         }
     }
 

@@ -27,7 +27,7 @@ pub use draw::{Body, Composition, image};
 pub use frame::{
     Fan, Field, Frame, FrameTriangle, FrameVertex, Highlight, Mirrors, Neighbor, Patches, Scene, View, coverage,
 };
-pub use lighting::{Lamp, LampPosition, Lighting, Material, Refraction, Specular, Transparency};
+pub use lighting::{Lamp, LampPosition, Lighting, Material, Refraction, Specular, Transmits, Transparency};
 pub use measure::{self as crease, Creases, EdgeCrease, Truth};
 pub use mesh::{
     Coat, Edge, EdgeKind, Edges, Mesh, MeshError, Normals, Paint, PaintedCorner, Polygons, Smooth, Surface, Texture,

@@ -150,8 +150,6 @@ impl Parameter {
 pub(super) enum Range {
     /// Finite numbers from the first to the second.
     Within(f64, f64),
-    /// Numbers above 0 and up to this maximum.
-    UpTo(f64),
     /// A direction in degrees: any finite number. Directions are circular: 350° is near 10°.
     Direction,
     /// Any value of the type.
@@ -174,9 +172,6 @@ fn number(parameter: &Parameter, range: Range, value: &ParameterValue) -> Result
         _ if !number.is_finite() => Err(parameter.error(number, "is not a finite number")),
         Range::Within(least, most) if !(least..=most).contains(number) => {
             Err(parameter.error(number, format!("is outside {least}…{most}")))
-        }
-        Range::UpTo(most) if !(*number > 0.0 && *number <= most) => {
-            Err(parameter.error(number, format!("is not above 0 and at most {most}")))
         }
         _ => Ok(*number),
     }
@@ -209,10 +204,7 @@ impl ParameterType for Depth {
     fn read(parameter: &Parameter, _: Range, value: &ParameterValue) -> Result<Self, ParameterError> {
         let text = value.to_string();
         let shown = if let ParameterValue::Text(text) = value { format!("{text:?}") } else { text.clone() };
-        text.parse().map_err(|error| match error {
-            DepthError::OutOfRange(_) => parameter.error(shown, "is outside 1…32"),
-            DepthError::NotWhole(_) => parameter.error(shown, "is not a whole number"),
-        })
+        text.parse().map_err(|error: DepthError| parameter.error(shown, error.problem))
     }
     fn write(&self) -> ParameterValue {
         match self {

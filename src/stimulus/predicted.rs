@@ -37,6 +37,11 @@ pub enum Visible {
 }
 
 impl Visible {
+    /// Returns the bands of a ramp.
+    pub fn bands(&self) -> Option<&RampBands> {
+        if let Self::Ramp(bands) = self { Some(bands) } else { None }
+    }
+
     /// Returns what raters are asked about, in times threshold: the bright band of a ramp, or the bands on a surface.
     pub fn rated(&self) -> Option<f64> {
         match self {

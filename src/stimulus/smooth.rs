@@ -2,6 +2,7 @@
 //! differs from that.
 
 use rayon::prelude::*;
+use serde::Serialize;
 
 use super::viewing::ViewingConditions;
 use crate::{
@@ -77,8 +78,10 @@ impl Judged {
     /// known, or no pixel can be compared.
     ///
     /// # Errors
-    /// Returns a [`VisionError`] if the picture does not have the size of the frame, is too small, or has no light at a
-    /// place.
+    /// Returns a [`VisionError`] if the picture is too small, or has no light at a place.
+    ///
+    /// # Panics
+    /// Panics if the picture does not have the size of the frame.
     pub fn difference(
         &self,
         viewing: &ViewingConditions,
@@ -95,8 +98,8 @@ impl Judged {
         let share: Vec<f64> = distances(mask, width, height, px).iter().map(|away| (away / px).min(1.0)).collect();
         let difference = judge.difference(&viewing.luminances(picture), &smooth, Some(&share))?;
         let map = difference.map();
-        let mut inside: Vec<f64> = map.enlarged();
-        inside = inside.into_iter().zip(mask).filter(|(_, counts)| **counts).map(|(times, _)| times).collect();
+        let mut inside: Vec<f64> =
+            map.enlarged().into_iter().zip(mask).filter(|(_, counts)| **counts).map(|(times, _)| times).collect();
         inside.sort_by(f64::total_cmp);
         let p95 = inside.get(inside.len().saturating_sub(1) * 95 / 100).copied().unwrap_or_default();
         Ok(Some(SurfaceDifference { largest: inside.last().copied().unwrap_or_default(), p95, map }))
@@ -130,7 +133,7 @@ impl Judged {
 /// The difference between a picture and the smooth surface, filtered by the contrast sensitivity of the model of vision.
 /// The filter is scaled so that it passes its best frequency unchanged, and the difference is in linear light, 1 for
 /// white. Only pixels that can be compared count; elsewhere the difference is taken as 0.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Residual {
     /// Root mean square.
     pub rms: f64,
@@ -139,12 +142,13 @@ pub struct Residual {
 }
 
 /// How visible a picture's difference from the smooth surface is, in times threshold.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SurfaceDifference {
     /// The largest value on the surface.
     pub largest: f64,
     /// The value that one place in twenty exceeds.
     pub p95: f64,
+    #[serde(skip)]
     pub map: DifferenceMap,
 }
 

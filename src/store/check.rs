@@ -4,22 +4,19 @@ use std::{collections::BTreeSet, path::Path};
 
 use super::{
     FileError, FileErrors, StoreError,
-    dataset::{self, FRAMES_SUFFIX},
+    dataset::FRAMES_SUFFIX,
     definition,
-    file::{exists, read_bytes, read_text},
+    file::{exists, read_text},
     image, matches, observer, profile,
     ratings::column_names,
     readings,
-    recorded::{Order, Recorded},
-    results,
+    recorded::Recorded,
     scene::{self, SceneFile},
-    session::seal,
-    sidecar::Sidecar,
     toml::Document,
 };
 use crate::{
     display::DisplayProfile,
-    experiment::{Identity, Protocol, Schedule, columns_by_header},
+    experiment::{Identity, OrderedLogit, Protocol, Schedule, VisionRater},
     shading::Composition,
     system::{fonts, found},
 };
@@ -61,7 +58,10 @@ pub fn check_large(name_or_path: impl AsRef<Path>, pixels: u64) -> Result<Checke
         return check_definition(definition::open(path)?);
     }
     let checked = match path.extension().and_then(|extension| extension.to_str()) {
-        Some("csv") if name.ends_with(FRAMES_SUFFIX) => check_frames(path)?.into(),
+        // Those of its session are compared with their seal where its rows are.
+        Some("csv") if name.ends_with(FRAMES_SUFFIX) && exists(path)? => {
+            "frames of a session, which are checked with its result file".to_owned().into()
+        }
         Some("csv") => match column_names(path) {
             Ok(names) if names.first().is_some_and(|name| name == "channel") => {
                 let readings = readings::open(path)?;
@@ -73,7 +73,7 @@ pub fn check_large(name_or_path: impl AsRef<Path>, pixels: u64) -> Result<Checke
             }
             Err(error @ StoreError::Io { .. }) => return Err(error),
             // What is no table has the errors of a result file.
-            _ => check_results(path)?,
+            _ => check_session(path)?,
         },
         Some("png") => image::verify(path, pixels)?.into(),
         Some("toml") => check_toml(path, &name, &read_text(path)?)?,
@@ -105,11 +105,11 @@ fn check_toml(path: &Path, file: &str, text: &str) -> Result<Checked, StoreError
         return Ok(Checked { sentence, profile: Some(profile), warning: None });
     }
     if document.has("spread") {
-        observer::parse_vision(file, text)?;
+        observer::parse::<VisionRater>(file, text)?;
         return Ok("parameters of the vision observer".to_owned().into());
     }
     if document.has("thresholds") {
-        observer::parse(file, text)?;
+        observer::parse::<OrderedLogit>(file, text)?;
         return Ok("parameters of the ordered-logit observer".to_owned().into());
     }
     check_definition(definition::parse(file, text)?)
@@ -143,29 +143,7 @@ pub fn missing_fonts(missing: &BTreeSet<char>) -> Option<String> {
         .then(|| format!("No font on this computer has these characters of the participant's texts: {listed}{more}."))
 }
 
-/// Checks a result file against the definition and the seed in its sidecar. The sidecar may be missing only outside a
-/// data set.
-fn check_results(path: &Path) -> Result<Checked, StoreError> {
-    let has_sidecar = exists(&path.with_extension("json"))? || dataset::described(path)?.is_some();
-    if dataset::identity(path).is_ok() && has_sidecar {
-        return check_session(path);
-    }
-    let content = read_bytes(path, results::MAX_FILE, "a result file")?;
-    let header = content.split(|byte| *byte == b'\n').next().unwrap_or_default();
-    let columns = columns_by_header(String::from_utf8_lossy(header).trim_end().split(','));
-    let rows = results::parse(&path.display().to_string(), &content, &columns)?;
-    let (mut errors, mut order) = (Vec::new(), Order::new(false, usize::MAX));
-    for (row, line) in rows.iter().zip(2..) {
-        errors.extend(order.add(row).into_iter().map(|message| FileError::at(path, (line, 1), message)));
-    }
-    FileErrors::none(errors)?;
-    let sentence = format!(
-        "result file: {} rows; the trial order was not checked because that requires a session's file and its sidecar",
-        rows.len()
-    );
-    Ok(sentence.into())
-}
-
+/// Checks a result file against the definition and the seed in its sidecar.
 fn check_session(path: &Path) -> Result<Checked, StoreError> {
     let session = Recorded::open(path)?;
     let mut errors = [session.row_errors(), &session.changed].concat();
@@ -177,20 +155,4 @@ fn check_session(path: &Path) -> Result<Checked, StoreError> {
     let ((rated, planned), rows, name) = (session.rated(), session.rows.len(), &session.protocol.name);
     let sentence = format!("result file: {rows} rows; {rated} of {planned} planned trials of {name} rated");
     Ok(Checked { warning: interruption.map(|found| found.message), ..sentence.into() })
-}
-
-/// Checks the frames file of a session against the seals in its sidecar.
-fn check_frames(path: &Path) -> Result<String, StoreError> {
-    if !exists(path)? {
-        return Err(FileErrors::whole(path, "does not exist; expected the frames file of a session").into());
-    }
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let csv = path.with_file_name(format!("{}{}", name.trim_end_matches(FRAMES_SUFFIX), dataset::DATA_FILE));
-    let Some(sidecar) = Sidecar::read(&csv.with_extension("json"))?.filter(Sidecar::is_sealed) else {
-        return Ok("frames of a session; they were not checked because they have no seal".to_owned());
-    };
-    let mut errors = seal::errors(&csv, &sidecar)?;
-    errors.retain(|error| error.file == path.display().to_string());
-    FileErrors::none(errors)?;
-    Ok("frames of a session, as it wrote them".to_owned())
 }

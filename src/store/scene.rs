@@ -15,11 +15,10 @@ use crate::{
     light::Depth,
     shading::{
         Body, Composition, Correction, Highlight, Lamp, LampPosition, Material, Mesh, Mirrors, Normals, Shade, Shader,
-        Surface, Transparency, View,
+        Surface, Transmits, Transparency, View,
         shapes::{self, Shape},
     },
     system::found,
-    text::names::named,
 };
 
 /// A scene, and the text that describes it.
@@ -31,18 +30,6 @@ pub struct SceneFile {
     pub text: String,
     /// For each mesh file in which faces were reversed, a sentence without its subject.
     pub notes: Vec<String>,
-}
-
-named! {
-    /// Which of the two formulas of transparency applies.
-    Transmits, UnknownTransparency {
-        /// No light passes.
-        Opaque = "opaque",
-        /// (1 − k_t)·I_1 + k_t·I_2.
-        Interpolated = "interpolated",
-        /// I_1 + k_t·O_t·I_2.
-        Filtered = "filtered",
-    }
 }
 
 /// The largest coordinate, intensity or factor.
@@ -248,7 +235,6 @@ fn body(table: &MeshTable, shape: Option<Mesh>, scene: &Path, notes: &mut Vec<St
         View::square(1).rotated(table.rotate).rotation,
         DVec3::from_array(table.position),
     );
-    let (k_t, color) = (table.transmission, DVec3::from_array(table.filter));
     let mirrors = Mirrors { slope: table.facet_slope, c1: table.facet_c1, index: table.facet_index };
     Ok(Body {
         surface: Surface::new(mesh),
@@ -268,10 +254,10 @@ fn body(table: &MeshTable, shape: Option<Mesh>, scene: &Path, notes: &mut Vec<St
             shininess: table.shininess,
             specular_model: table.highlight.model(table.shininess, mirrors),
         },
-        transparency: match table.transparency {
-            Transmits::Opaque => Transparency::Opaque,
-            Transmits::Interpolated => Transparency::Interpolated { k_t },
-            Transmits::Filtered => Transparency::Filtered { k_t, color },
+        transparency: Transparency {
+            kind: table.transparency,
+            k_t: table.transmission,
+            color: DVec3::from_array(table.filter),
         },
         index: table.index,
     })

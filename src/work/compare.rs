@@ -149,13 +149,13 @@ struct Lit {
 }
 
 impl Lit {
-    fn of_picture(name: &str, picture: &Picture, light: &str) -> Lit {
-        Self::of_light(name, &picture.codes.light(&picture.transfers), picture.weights, light)
+    fn of(name: &str, image: &LinearImage, weights: [f64; 3], light: String) -> Lit {
+        let (size, luminance) = ([image.width, image.height], weighted(image, weights));
+        Lit { name: name.to_owned(), size, luminance, light }
     }
 
-    fn of_light(name: &str, image: &LinearImage, weights: [f64; 3], light: &str) -> Lit {
-        let (size, luminance) = ([image.width, image.height], weighted(image, weights));
-        Lit { name: name.to_owned(), size, luminance, light: light.to_owned() }
+    fn of_picture(name: &str, picture: &Picture) -> Lit {
+        Self::of(name, &picture.codes.light(&picture.transfers), picture.weights, said(picture.origin))
     }
 }
 
@@ -249,7 +249,7 @@ impl Compare {
     pub fn steps(&self, given: Option<CodeImage>, watcher: &dyn Watcher) -> anyhow::Result<Steps> {
         let encoded = self.encoded(watcher)?;
         let (name, picture) = match given {
-            Some(codes) => ("picture".to_owned(), encoded.shows(Picture::given(codes, encoded.transfers.clone()))),
+            Some(codes) => ("picture".to_owned(), encoded.given(codes)),
             None => (self.picture.display().to_string(), self.picture(&self.picture, &encoded)?),
         };
         watcher.stage("smoothing");
@@ -281,7 +281,7 @@ impl Compare {
             rounded: rounded.map(|rounded| largest(&rounded, &target)).transpose()?,
             dithered: largest(&grain, &target)?,
             viewing,
-            light: said(&picture),
+            light: said(picture.origin),
             bits: levels.bits,
             file_bits: picture.bits,
             is_edges,
@@ -316,8 +316,7 @@ impl Compare {
     }
 
     fn read(&self, path: &Path, encoded: &Encoded) -> anyhow::Result<Lit> {
-        let picture = self.picture(path, encoded)?;
-        Ok(Lit::of_picture(&path.display().to_string(), &picture, &said(&picture)))
+        Ok(Lit::of_picture(&path.display().to_string(), &self.picture(path, encoded)?))
     }
 
     fn viewing(&self, encoded: &Encoded, width_px: u32) -> ViewingConditions {
@@ -436,22 +435,19 @@ fn wrong(name: &str, error: &VisionError) -> anyhow::Error {
 }
 
 /// Says what the codes of a picture mean.
-fn said(picture: &Picture) -> String {
-    match picture.origin {
+fn said(origin: Origin) -> String {
+    match origin {
         Origin::Given => "as asked".to_owned(),
         Origin::Chunk(name) => format!("by the file's {name}"),
-        Origin::Assumed => "sRGB is assumed, because the file does not say what its codes mean".to_owned(),
+        Origin::Assumed => "sRGB is assumed, because nothing says what the codes mean".to_owned(),
     }
 }
 
 /// Returns a picture in memory as light.
 fn lit(given: Given, name: &str, encoded: &Encoded) -> Lit {
     match given {
-        Given::Codes(codes) => {
-            let light = if encoded.is_given { "as asked" } else { "sRGB is assumed" };
-            Lit::of_picture(name, &encoded.shows(Picture::given(codes, encoded.transfers.clone())), light)
-        }
-        Given::Light(image) => Lit::of_light(name, &image, Picture::srgb_weights(), "given as light"),
+        Given::Codes(codes) => Lit::of_picture(name, &encoded.given(codes)),
+        Given::Light(image) => Lit::of(name, &image, Picture::srgb_weights(), "given as light".to_owned()),
     }
 }
 
@@ -465,25 +461,21 @@ fn smooth(picture: &Picture, levels: Levels) -> (LinearImage, bool) {
         Samples::Eight(codes) => codes.iter().map(|code| level(u32::from(*code))).collect(),
         Samples::Sixteen(codes) => codes.iter().map(|code| level(u32::from(*code))).collect(),
     };
-    let channel = |channel: usize| codes.iter().skip(channel).step_by(3).copied().collect::<Vec<f64>>();
-    let mut is_edges = false;
-    let mut smooth = |own: &[f64]| {
-        let (reaches, has_edges) = reaches(own, size[0]);
-        is_edges |= has_edges;
-        unrounded(own, size, |level: f64| reaches[level as usize])
-    };
-    let first = channel(0);
-    let smooth_first = smooth(&first);
-    let others = [1, 2].map(|k| {
-        let own = channel(k);
-        if own == first { smooth_first.clone() } else { smooth(&own) }
-    });
+    let own = [0, 1, 2].map(|channel| codes.iter().skip(channel).step_by(3).copied().collect::<Vec<f64>>());
+    let mut smooth: Vec<(Vec<f64>, bool)> = Vec::new();
+    for k in 0..3 {
+        // Gray is smoothed once.
+        smooth.push(if k > 0 && own[k] == own[0] {
+            smooth[0].clone()
+        } else {
+            let (reaches, is_edges) = reaches(&own[k], size[0]);
+            (unrounded(&own[k], size, |level: f64| reaches[level as usize]), is_edges)
+        });
+    }
     let transfers: &[Transfer; 3] = picture.transfers.channels();
     let light = |k: usize, value: f64| transfers[k].linear_from_encoded(levels.encoded(value).clamp(0.0, 1.0)) as f32;
-    let data = (0..first.len())
-        .flat_map(|i| [light(0, smooth_first[i]), light(1, others[0][i]), light(2, others[1][i])])
-        .collect();
-    (LinearImage { width: *width, height: *height, data }, is_edges)
+    let data = (0..own[0].len()).flat_map(|i| [0, 1, 2].map(|k| light(k, smooth[k].0[i]))).collect();
+    (LinearImage { width: *width, height: *height, data }, smooth.iter().any(|(_, is_edges)| *is_edges))
 }
 
 /// Returns the names of the PNG files in a folder, in order, and of what else is visible in it.

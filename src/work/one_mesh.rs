@@ -6,7 +6,7 @@ use glam::DVec3;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::RequestError;
+use super::{RequestError, request::changed};
 use crate::{
     light::Depth,
     shading::{
@@ -162,6 +162,22 @@ impl OneMesh {
             distance: self.distance,
             ..Scene::default()
         })
+    }
+
+    /// Says which options have no effect.
+    pub(super) fn idle(&self, is_measured: bool) -> Vec<String> {
+        let idle = |(field, _): (String, Value)| {
+            let why = match &field[..] {
+                "depth" | "boundary" if !self.shade().has_strip() => "nothing draws strips",
+                "vertices" if !self.named().is_some_and(Shape::has_vertices) => "the mesh has as many as it has",
+                "crease" if self.named().is_some() => "built-in meshes have their own creases",
+                "shininess" if self.facet_slope.is_some() => "facet_slope says how sharp the highlight is",
+                "window_deg" if !is_measured => "nothing is measured",
+                _ => return None,
+            };
+            Some(format!("{field} has no effect, because {why}"))
+        };
+        changed(self).into_iter().filter_map(idle).collect()
     }
 
     pub(super) fn fine_file(&self) -> Option<&Path> {

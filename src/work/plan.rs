@@ -18,7 +18,7 @@ use crate::{
             ThresholdPlan,
         },
     },
-    experiment::{Definition, Identity, Protocol, Schedule},
+    experiment::{Definition, Identity, ObserverParameters as _, OrderedLogit, Protocol, Schedule},
     report::{names, tables::Rows, tasks::task},
     store::{definition, observer},
     text::{
@@ -255,7 +255,8 @@ impl Plan {
 
     /// Simulates studies of ratings.
     fn ratings(&self, protocol: Protocol, watcher: &dyn Watcher) -> anyhow::Result<Planned> {
-        let mut observer = self.observer_file.as_deref().map(observer::open).transpose()?.unwrap_or_default();
+        let mut observer: OrderedLogit =
+            self.observer_file.as_deref().map(observer::open).transpose()?.unwrap_or_default();
         let name = self.observer_file.as_ref().map_or_else(|| "paper".to_owned(), |path| path.display().to_string());
         let (shifts, parameters) = self.given();
         for effect in parameters {

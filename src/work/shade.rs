@@ -19,7 +19,7 @@ use crate::{
     light::{CodeImage, LinearImage, Quantizer, Transfers},
     report::document::numbers::count,
     shading::{self, Body, Creases, EdgeKind, Frame, Normals, Scene, Shader, Surface, crease, image},
-    stimulus::{Judged, ViewingConditions, emitted},
+    stimulus::{Judged, Residual, SurfaceDifference, ViewingConditions, emitted},
     store::{self, mesh::MeshFile, scene::SceneFile},
     system::checkpoint,
     vision::VisionError,
@@ -97,35 +97,21 @@ pub struct Metrics {
     #[serde(flatten)]
     pub viewing: ViewingConditions,
     /// How visible the difference from the smooth surface is; `None` if that is not known or no pixel can be compared.
-    pub difference: Option<Compared<Visible<f64>, Visible<Option<f64>>>>,
+    pub difference: Option<Compared<SurfaceDifference>>,
     pub difference_unit: &'static str,
     /// The difference from the smooth surface in light; `None` if that is not known or no pixel can be compared.
-    pub residual: Option<Compared<InLight<f64>, InLight<Option<f64>>>>,
+    pub residual: Option<Compared<Residual>>,
     pub residual_unit: &'static str,
     /// The share of the surface that is not compared, 0…1; `None` if nothing is.
     pub masked: Option<f64>,
 }
 
 /// What was measured, and the same relative to Gouraud's.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Compared<Own, Relative> {
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Compared<T> {
     #[serde(flatten)]
-    pub own: Own,
-    pub over_gouraud: Relative,
-}
-
-/// How visible the difference from the smooth surface is: the largest value, and the one that a place in twenty exceeds.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Visible<T> {
-    pub largest: T,
-    pub p95: T,
-}
-
-/// The difference from the smooth surface, in linear light.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct InLight<T> {
-    pub rms: T,
-    pub p999: T,
+    pub own: T,
+    pub over_gouraud: Value,
 }
 
 impl Shade {
@@ -160,7 +146,7 @@ impl Shade {
         }
         let found = given.map_or_else(|| one.mesh(), Ok)?;
         let viewing = encoded.viewing(one.window_deg, &self.luminances);
-        let mut notes = Vec::new();
+        let mut notes = one.idle(wanted.metrics);
         let drawing = Drawing::new(one, found, self.image.size, &mut notes)?;
         let mut description = one.describe(&drawing.scene, self.image.size);
         let transfers = encoded.transfers;
@@ -273,12 +259,12 @@ impl<'a> Drawing<'a> {
         let [(creases, difference, residual), (creases_gouraud, difference_gouraud, residual_gouraud)] = [own, gouraud];
         let sites: HashSet<_> = surface.mesh.vertices.iter().map(|vertex| vertex.site).collect();
         let residual = residual.zip(residual_gouraud).map(|(own, gouraud)| Compared {
-            own: InLight { rms: own.rms, p999: own.p999 },
-            over_gouraud: InLight { rms: over(own.rms, gouraud.rms), p999: over(own.p999, gouraud.p999) },
+            own,
+            over_gouraud: json!({ "rms": over(own.rms, gouraud.rms), "p999": over(own.p999, gouraud.p999) }),
         });
         let difference = difference.zip(difference_gouraud).map(|(own, gouraud)| Compared {
-            own: Visible { largest: own.largest, p95: own.p95 },
-            over_gouraud: Visible { largest: over(own.largest, gouraud.largest), p95: over(own.p95, gouraud.p95) },
+            over_gouraud: json!({ "largest": over(own.largest, gouraud.largest), "p95": over(own.p95, gouraud.p95) }),
+            own,
         });
         Ok(Metrics {
             description,

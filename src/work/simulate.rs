@@ -17,8 +17,8 @@ use serde::Serialize;
 use super::{RequestError, Watcher};
 use crate::{
     experiment::{
-        self, Course, FrameCount, Identity, Observer, Protocol, Resumed, RowContext, Schedule, Session, SessionOptions,
-        TrialRecord, UniformObserver, VisionObserver, VisionRater,
+        self, Course, FrameCount, Identity, Observer, OrderedLogit, Protocol, Resumed, RowContext, Schedule, Session,
+        SessionOptions, TrialRecord, UniformObserver, VisionObserver, VisionRater,
     },
     stimulus::Stimulus,
     store::{
@@ -158,7 +158,7 @@ fn observer(request: &Simulate, protocol: &Protocol) -> anyhow::Result<(Box<dyn 
         }
         ObserverKind::Random => (Box::new(UniformObserver), SimulatedObserver::Random),
         ObserverKind::Vision => {
-            let parameters = file.map(observer::open_vision).transpose()?.unwrap_or_default();
+            let parameters: VisionRater = file.map(observer::open).transpose()?.unwrap_or_default();
             let description = SimulatedObserver::Vision { vision: parameters.clone() };
             let observer = VisionObserver::new(parameters, protocol).map_err(|error| {
                 anyhow::anyhow!("{}: {error}, or the observer random or paper", request.experiment.display())
@@ -166,7 +166,7 @@ fn observer(request: &Simulate, protocol: &Protocol) -> anyhow::Result<(Box<dyn 
             (Box::new(observer), description)
         }
         ObserverKind::Paper => {
-            let parameters = file.map(observer::open).transpose()?.unwrap_or_default();
+            let parameters: OrderedLogit = file.map(observer::open).transpose()?.unwrap_or_default();
             let description = SimulatedObserver::Paper { ordered_logit: parameters.clone() };
             (Box::new(parameters), description)
         }

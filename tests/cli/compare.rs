@@ -388,6 +388,10 @@ fn impossible_comparisons_are_refused() {
         1: one one --window 2 --mask wide.png => error: --mask: wide.png has 65 × 64 pixels
         2: empty empty --window 2 --map map.png => --map";
     refuses(pictures.0.path(), "compare {}", cases);
+    // A mask of one bit per pixel may have few bytes.
+    pictures.gray("large.png", [1024; 2], |_| 9);
+    png(&at("bits.png"), [1024; 2], gray, &[255; 128 * 1024], |info| info.bit_depth = png::BitDepth::One);
+    pictures.said("compare large.png large.png --window 9 --mask bits.png");
     // The transfer function that the user gives makes a broken profile harmless.
     pictures.said("compare profile.png gray.png --window 2 --transfer srgb");
 }

@@ -236,7 +236,7 @@ fn a_preregistration_says_what_was_planned() {
         "- width: ratings at 0.1 are higher than at 0.8. The effect planned for is 3.10 logits.",
         "- orientation: no effect is predicted.",
         "24 conditions, each once, which makes 24 ratings",
-        "participants will be tested: the smallest number tried (2 and 6) at which the 95 % interval of the power lies at or above 80 %",
+        "participants will be tested: the smallest number tried (2 and 6) at which the 95 % interval of the power lies at or above 80\u{a0}%",
         "p below 0.05 with a higher estimate at 0.1 than at 0.8 supports the hypothesis",
         "    machband plan quick --participants 2,6 --effect width:0.1=1 --studies 100\n",
         "    machband analyze results/quick --terms width,depth,orientation_deg --link logit --slopes independent --out analysis",

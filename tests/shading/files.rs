@@ -297,9 +297,9 @@ fn mixed_winding_is_repaired() {
         let found = parsed(obj.as_bytes());
         let note = match reversed.len() {
             0 => String::new(),
-            1 => "1 face was reversed, because the neighbors go around the other way".to_owned(),
-            6 => "6 faces were reversed, because the surface was inside out".to_owned(),
-            count => format!("{count} faces were reversed, because the neighbors go around the other way"),
+            1 => "reversed 1 face, because the neighbors go around the other way".to_owned(),
+            6 => "reversed 6 faces, because the surface was inside out".to_owned(),
+            count => format!("reversed {count} faces, because the neighbors go around the other way"),
         };
         assert_eq!(found.notes.concat(), note);
         let volume: f64 = (0..12).map(|t| found.mesh.corners(t)).map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum();
@@ -443,7 +443,7 @@ fn seams_are_joined_or_told() {
         (0.0, true, ""),
         (1e-7, true, "2 vertices were joined"),
         (7e-4, true, "2 vertices were joined"),
-        (0.01, false, "2 open edges run beside others"),
+        (0.01, false, "left 2 open edges beside others"),
         (0.2, false, ""),
     ] {
         let found = parsed(with_seam(gap).as_bytes());
@@ -475,7 +475,7 @@ fn edges_without_a_length_have_one_vertex() {
     });
     assert_eq!((rounded.mesh.vertices.len(), rounded.mesh.triangles.len()), (62, 120));
     assert_eq!((exact.mesh.triangles, exact.notes), (rounded.mesh.triangles, Vec::new()));
-    assert_eq!(rounded.notes, ["22 vertices were joined with others within a thousandth of an edge"]);
+    assert_eq!(rounded.notes, ["joined vertices within a thousandth of an edge at 22 places"]);
 }
 
 #[test]
@@ -560,11 +560,11 @@ fn faces_agree_with_their_normals_and_occur_once() {
     let right = octahedron(&faces);
     assert!(right.notes.is_empty() && sum(&right.mesh) == 8.0, "{:?}", right.notes);
     let reversed = octahedron(&faces.map(|[a, b, c]| [a, c, b]));
-    assert_eq!(reversed.notes, ["8 faces were reversed, because the normals point to the other side"]);
+    assert_eq!(reversed.notes, ["reversed 8 faces, because the normals point to the other side"]);
     assert_eq!(sum(&reversed.mesh), 8.0);
     // In another order, but in the same direction.
     let repeated: Vec<_> = faces.into_iter().chain([[5, 1, 3], [1, 4, 6]]).collect();
     let repeated = octahedron(&repeated);
-    assert_eq!(repeated.notes, ["2 faces were left out, because they repeat others"]);
+    assert_eq!(repeated.notes, ["left out 2 repeated faces"]);
     assert_eq!(repeated.mesh, right.mesh);
 }

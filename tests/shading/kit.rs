@@ -88,8 +88,12 @@ fn generated(name: &str, source: &str) -> Vec<(String, String)> {
             _ => "comp",
         };
         let versions = [("glsl", glsl::Version::Desktop(450)), ("glsl_es", glsl::Version::new_gles(300))];
-        // GLSL ES 3.00 has no compute shaders.
-        for (folder, version) in versions.into_iter().take(if ending == "comp" { 1 } else { 2 }) {
+        // GLSL ES 3.00 has no compute shaders; GLSL 4.5 does not need passes that draw.
+        let (from, to) = match &entry.name[..] {
+            "everywhere" | "slopes_texel" | "coefficients_texel" => (1, 2),
+            _ => (0, if ending == "comp" { 1 } else { 2 }),
+        };
+        for (folder, version) in versions.into_iter().take(to).skip(from) {
             let text = in_glsl(source, entry, version).unwrap();
             let (version, rest) = text.split_once('\n').unwrap();
             files.push((format!("{folder}/{}.{ending}", entry.name), format!("{version}\n// {first}\n{rest}")));
@@ -232,8 +236,8 @@ impl Card {
 
     /// Returns a mesh with the coefficients of a view, which the two passes compute.
     fn mesh(&self, surface: &cubic::Surface, camera: &Camera) -> C1Mesh {
-        let cubic::Surface { positions, normals, curvature, triangles, sides } = surface.clone();
-        let surface = machband_c1::Surface { positions, normals, curvature, triangles, sides };
+        let cubic::Surface { vertices, positions, normals, curvature, triangles, sides } = surface.clone();
+        let surface = machband_c1::Surface { vertices, positions, normals, curvature, triangles, sides };
         let mesh = C1Mesh::of(&self.device, &self.queue, &surface);
         let mut encoder = self.device.create_command_encoder(&Default::default());
         mesh.update(&self.device, &self.queue, &mut encoder, &Passes::new(&self.device), &of_kit(camera));

@@ -5,7 +5,6 @@ use glam::{DMat3, DQuat, DVec2, DVec3};
 use machband::shading::{
     Field, Frame, Patches, Surface, View,
     cubic::Gradient,
-    shaders::ShaderKernel as _,
     shapes::{self, Shape},
 };
 
@@ -26,7 +25,7 @@ fn worst(frame: &Frame, patches: &Patches, truth: impl Fn(DVec2) -> f64) -> f64 
         for i in 0..=8 {
             for j in 0..=8 - i {
                 let w = [f64::from(i) / 8.0, f64::from(j) / 8.0, f64::from(8 - i - j) / 8.0];
-                worst = worst.max((patches.light(t, w, DVec3::ZERO).x - truth(w[0] * a + w[1] * b + w[2] * c)).abs());
+                worst = worst.max((patches.value(t, w).x - truth(w[0] * a + w[1] * b + w[2] * c)).abs());
             }
         }
     }
@@ -95,7 +94,7 @@ fn cubics_match_numpy() {
             let k = triangles[t].iter().position(|own| *own == v).expect("a corner");
             [first, second, 1.0 - first - second][k]
         });
-        let light = patches.light(t, w, DVec3::ZERO);
+        let light = patches.value(t, w);
         assert!((light - expected).abs().max_element() < 1e-11, "triangle {t}: {light}, expected {expected}");
     }
 }

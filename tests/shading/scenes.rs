@@ -6,8 +6,8 @@ use glam::{DMat3, DVec3};
 use machband::{
     light::{Depth, LinearImage},
     shading::{
-        Body, Coat, Composition, Frame, Material, Mesh, Paint, PaintedCorner, Shade, Shader, Surface, Transparency,
-        View, image, shapes,
+        Body, Coat, Composition, Frame, Material, Mesh, Paint, PaintedCorner, Shade, Shader, Surface, Transmits,
+        Transparency, View, image, shapes,
     },
     store::{mesh, scene},
 };
@@ -21,9 +21,13 @@ fn body(mesh: Mesh, color: DVec3) -> Body {
         surface: Surface::new(mesh),
         shade: Shade::new(Shader::C1Phong),
         material: Material { color, ..standard().material },
-        transparency: Transparency::Opaque,
+        transparency: transparency(Transmits::Opaque, 0.0, DVec3::ONE),
         index: None,
     }
+}
+
+fn transparency(kind: Transmits, k_t: f64, color: DVec3) -> Transparency {
+    Transparency { kind, k_t, color }
 }
 
 fn scene(bodies: Vec<Body>) -> Composition {
@@ -72,26 +76,25 @@ fn transparent_surfaces_combine_as_the_formulas_say() {
     let draw = |bodies: Vec<Body>| scene(bodies).image(SIDE, SIDE);
     let front = draw(vec![pane.clone(), behind.clone()]);
     // The same places without the pane: an invisible one keeps the view.
-    pane.transparency = Transparency::Interpolated { k_t: 1.0 };
+    pane.transparency = transparency(Transmits::Interpolated, 1.0, tint);
     let bare = draw(vec![pane.clone(), behind.clone()]);
-    for transparency in [Transparency::Interpolated { k_t: 0.3 }, Transparency::Filtered { k_t: 0.7, color: tint }] {
-        pane.transparency = transparency;
+    for (kind, k_t) in [(Transmits::Interpolated, 0.3), (Transmits::Filtered, 0.7)] {
+        pane.transparency = transparency(kind, k_t, tint);
         let seen = draw(vec![behind.clone(), pane.clone()]);
         for i in 0..(SIDE * SIDE) as usize {
             let of =
                 |image: &LinearImage| DVec3::from_array(image.pixel(i as u32 % SIDE, i as u32 / SIDE).map(f64::from));
             let (own, beyond, both) = (of(&front), of(&bare), of(&seen));
             let is_pane = own.distance(beyond) > 1e-6;
-            let expected = match transparency {
+            let expected = match kind {
                 _ if !is_pane => beyond,
-                Transparency::Interpolated { k_t } => (1.0 - k_t) * own + k_t * beyond,
-                Transparency::Filtered { k_t, color } => own + k_t * color * beyond,
-                Transparency::Opaque => own,
+                Transmits::Interpolated => (1.0 - k_t) * own + k_t * beyond,
+                _ => own + k_t * tint * beyond,
             };
-            assert!(both.distance(expected) < 1e-5, "{transparency:?}: {both}, not {expected}");
+            assert!(both.distance(expected) < 1e-5, "{kind}: {both}, not {expected}");
         }
     }
-    assert_eq!(Transparency::Opaque.through(tint, DVec3::ONE), tint);
+    assert_eq!(transparency(Transmits::Opaque, 0.5, tint).through(tint, DVec3::ONE), tint);
 }
 
 fn bare() -> Material {
@@ -114,7 +117,7 @@ fn behind_glass() -> Body {
 fn glass(mesh: Mesh, index: f64) -> Body {
     Body {
         material: Material { ambient: 0.0, ..bare() },
-        transparency: Transparency::Filtered { k_t: 1.0, color: DVec3::ONE },
+        transparency: transparency(Transmits::Filtered, 1.0, DVec3::ONE),
         index: Some(index),
         ..body(mesh, DVec3::ONE)
     }

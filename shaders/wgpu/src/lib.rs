@@ -13,13 +13,13 @@
 //! pass.draw(0..mesh.count, 0..1);                                 // with `mesh.coefficients` at binding 1
 //! ```
 //!
-//! `cargo run --example torus` in this folder draws a picture without a window.
+//! `cargo run --example icosahedron` in this folder draws a picture without a window.
 
 #[path = "../../ordinates.rs"]
 pub mod ordinates;
 
 use wgpu::{
-    TextureFormat::{Rg32Uint, Rgba32Float, Rgba32Uint},
+    TextureFormat::{Rgba32Float, Rgba32Uint},
     util::DeviceExt as _,
 };
 
@@ -92,7 +92,7 @@ impl C1Mesh {
 
     /// Sends a surface to the card.
     pub fn of(device: &wgpu::Device, queue: &wgpu::Queue, surface: &Surface) -> Self {
-        let Surface { positions, normals, curvature, triangles, sides } = surface;
+        let Surface { positions, normals, curvature, triangles, sides, .. } = surface;
         let (starts, ring) = surface.rings();
         let single = |numbers: &[f64; 3], last: f64| [numbers[0], numbers[1], numbers[2], last].map(|x| x as f32);
         let point = |v: usize| {
@@ -124,7 +124,7 @@ impl C1Mesh {
             coefficients: device.create_texture(&descriptor(Rgba32Float, 9, faces)),
             inputs: [
                 filled(Rgba32Float, 5, count, bytemuck::cast_slice(&points)),
-                filled(Rg32Uint, 1, ring.len(), bytemuck::cast_slice(&ring)),
+                filled(Rgba32Uint, 1, ring.len(), bytemuck::cast_slice(&ring)),
                 filled(Rgba32Uint, 3, faces, bytemuck::cast_slice(&corners)),
             ],
             slopes: device.create_texture(&descriptor(Rgba32Float, 2, count)),

@@ -4,7 +4,7 @@ use eframe::egui::{self, Align, Layout, RichText, ScrollArea};
 
 use super::table::TableView;
 use crate::{
-    app::ui::{figure::FigureView, hint, paragraph, section, theme, tick},
+    app::ui::{figure::FigureView, hint, paged, paragraph, section, theme, tick},
     report::document::{Block, Document, Section},
 };
 
@@ -116,7 +116,7 @@ fn scrolled(ui: &mut egui::Ui, id: &str, add: impl FnOnce(&mut egui::Ui)) {
     let width = ui.available_width() - ui.spacing().scroll.allocated_width();
     ScrollArea::vertical().id_salt(id).auto_shrink(false).show(ui, |ui| {
         ui.set_max_width(width);
-        add(ui);
+        paged(ui, add);
     });
 }
 

@@ -72,7 +72,7 @@ enum State {
 }
 
 /// The sections that need no model, so that they are shown at once. Numbers in them are final.
-const DRAFTED: [&str; 5] = ["design", "health", "description", "agreement", "times"];
+const DRAFTED: [&str; 3] = ["health", "description", "agreement"];
 
 /// The results of an analysis, without the document.
 struct Outcome {
@@ -206,7 +206,7 @@ impl Opened for OpenStudy {
         let view = self.shown.as_ref().map(|(_, view)| view).or(self.draft.as_ref());
         let mut all: Vec<_> = view.iter().flat_map(|view| view.headings()).collect();
         if !all.is_empty() && !all.contains(&VISION) {
-            let place = all.iter().position(|(id, _)| *id == "times").unwrap_or(all.len());
+            let place = all.iter().position(|(id, _)| *id == "methods").unwrap_or(all.len());
             all.insert(place, VISION);
         }
         all

@@ -125,7 +125,7 @@ fn checklist(
 
 /// Returns a level as it is read, such as ∞.
 fn shown(level: &str) -> String {
-    names::level(None, "", level).to_string()
+    names::level(names::Known::None, "", level).to_string()
 }
 
 /// The values of the controls.

@@ -1,11 +1,11 @@
 //! The stages that the photometer and matching by eye share: settings, a full-screen run that can be paused and
-//! resumed, findings, a check on the screen, and the profile to save.
+//! resumed, findings, and the profile to save.
 
 use std::path::{Path, PathBuf};
 
 use eframe::egui::{self, Color32, Context, TextEdit, Ui, ViewportCommand};
 
-use super::{check::CheckPage, tool::Tool};
+use super::tool::Tool;
 use crate::{
     app::ui::{
         Dialog, Field, FileKind, Monitor, Saving, ScreenFields, Step, hint, neutral_primary, paragraph, secondary,
@@ -75,7 +75,7 @@ pub trait Findings: Sized {
     fn summary(&mut self, ui: &mut Ui);
 
     /// Draws plots and tables.
-    fn details(&mut self, ui: &mut Ui);
+    fn details(&mut self, _: &mut Ui) {}
 
     /// Returns the known profile, updated with the findings; `None` if they are insufficient.
     fn profile(&self, _: &DisplayProfile) -> Option<DisplayProfile> {
@@ -91,7 +91,7 @@ pub trait Findings: Sized {
 /// A file of measurements, and either the findings with the profile's form, or the errors.
 type Found<M> = (PathBuf, Result<(<M as Method>::Findings, ProfileForm), String>);
 
-/// The page of a method: settings, then a run, then the findings, then a check of them.
+/// The page of a method: settings, then a run, then the findings.
 pub struct Calibrate<M: Method> {
     /// What is known about the screen apart from these measurements.
     known: DisplayProfile,
@@ -110,7 +110,6 @@ pub struct Calibrate<M: Method> {
     run: Option<M::Run>,
     /// The findings, once there are measurements.
     found: Option<Found<M>>,
-    check: Option<CheckPage>,
 }
 
 impl<M: Method> Calibrate<M> {
@@ -118,8 +117,7 @@ impl<M: Method> Calibrate<M> {
     pub fn new(method: M, known: DisplayProfile, channels: [bool; 2]) -> Self {
         let path = format!("calibration/{}_{}.csv", file_name(&screen_name(&known)), M::ITEMS);
         let (file, file_error, dialog, error) = Default::default();
-        let (run, found, check) = (None, None, None);
-        Self { known, method, path, channels, file, file_error, dialog, error, run, found, check }
+        Self { known, method, path, channels, file, file_error, dialog, error, run: None, found: None }
     }
 
     /// Draws the settings. `viewing` is `None` if the viewing distance or the screen's width is unknown.
@@ -233,9 +231,6 @@ impl<M: Method> Calibrate<M> {
                     found.summary(ui);
                     if let Some(profile) = found.profile(&self.known) {
                         saved = form.show(ui, &profile);
-                        if ui.button("Check on the screen…").clicked() {
-                            self.check = Some(CheckPage::new(form.filled(&profile)));
-                        }
                     }
                     ui.add_space(8.0);
                     found.details(ui);
@@ -257,13 +252,7 @@ impl<M: Method> Calibrate<M> {
 
 impl<M: Method> Tool for Calibrate<M> {
     fn show(&mut self, ui: &mut Ui, monitor: &Monitor, fields: &mut ScreenFields) -> Step<PathBuf> {
-        if let Some(check) = &mut self.check {
-            if check.draw(ui) {
-                self.check = None;
-                ui.ctx().request_repaint();
-            }
-            Step::Stay
-        } else if self.found.is_some() {
+        if self.found.is_some() {
             self.show_findings(ui)
         } else if self.run.is_some() {
             self.show_run(ui);

@@ -10,8 +10,10 @@ use super::{
 };
 use crate::{
     app::ui::{self, Field, FileKind, theme::Icon},
-    experiment::{Design, FieldSpec, ParticipantField, ParticipantFields, Recovery, Texts, ViewingPlan},
-    report::names::{self, capitalized},
+    experiment::{
+        Design, FieldSpec, ParticipantField, ParticipantFields, Plan, Recovery, SessionRules, Texts, ViewingPlan,
+    },
+    report::names::capitalized,
     stimulus::{
         KINDS, Stimulus, catalog,
         picture::{Picture, PictureSize, ShownAs},
@@ -152,54 +154,19 @@ fn factors(form: &mut DefinitionForm, ui: &mut Ui) {
 
 fn design(form: &mut DefinitionForm, ui: &mut Ui) {
     ui::section(ui, "Trials");
-    let default = Design::default();
-    form.number(ui, "Repetitions", "design.repetitions", default.repetitions, "Main trials for each condition.");
-    let about = "Practice trials before the main part; they are recorded, but not analyzed.";
-    form.number(ui, "Practice", "design.practice", default.practice, about);
-    let about = "Main trials between two breaks; 0 for no breaks.";
-    form.number(ui, "Break every", "design.break_every", default.break_every, about);
-    order(form, ui);
-    let about = "At most this many consecutive trials with the same level of a factor.";
-    form.optional(ui, "Longest run", ["design.max_run"; 2], "any length", about);
-}
-
-fn order(form: &mut DefinitionForm, ui: &mut Ui) {
-    let known = Some(form.parameters());
-    let of_factor = |factor: String| ["blocked", "latin"].map(|kind| format!("{kind}:{factor}"));
-    let orders: Vec<String> =
-        ["random".to_owned()].into_iter().chain(form.draft().factors().into_iter().flat_map(of_factor)).collect();
-    let title = |order: &str| match order.split_once(':') {
-        Some(("blocked", factor)) => format!("Blocks by {}, random", names::factor(known, factor)),
-        Some(("latin", factor)) => format!("Blocks by {}, Latin square", names::factor(known, factor)),
-        _ => capitalized(order),
-    };
-    let about = "Random: all trials shuffled together. Blocks: one for each level of a factor, in random order or, as in a \
-        Latin square, counterbalanced across participants.";
-    let default = Design::default().order.to_string();
-    let field = ["Order", "design.order", &default, about];
-    if let Some(chosen) = form.choice(ui, field, orders.iter().map(String::as_str), title) {
-        form.type_value("design.order", &chosen, Typed::Text);
-    }
+    task::options(form, ui, "design", Design::OPTIONS, &Design::default());
 }
 
 fn timing(form: &mut DefinitionForm, ui: &mut Ui) {
     ui::section(ui, "Timing");
-    let default = Recovery::default();
-    let about = "Duration of the uniform field between two stimuli.";
-    form.number(ui, "Recovery, s", "recovery.duration_s", default.duration_s, about);
-    let about = "Relative luminance of the uniform field, from 0 to 1, in linear light.";
-    form.number(ui, "Recovery level", "recovery.level", default.level, about);
+    task::options(form, ui, "recovery", Recovery::OPTIONS, &Recovery::default());
     let about = "Duration of each stimulus. The uniform field follows until it is rated.";
     form.optional(ui, "Stimulus, s", ["presentation.duration_s", "presentation"], "until it is rated", about);
 }
 
 fn viewing(form: &mut DefinitionForm, ui: &mut Ui) {
     ui::section(ui, "Viewing");
-    let default = ViewingPlan::default();
-    let about = "Planned distance from the eye to the screen.";
-    form.number(ui, "Distance, cm", "viewing.distance_cm", default.distance_cm, about);
-    let about = "Side of the square stimulus, in degrees of visual angle.";
-    form.number(ui, "Stimulus size, °", "viewing.window_deg", default.window_deg, about);
+    task::options(form, ui, "viewing", ViewingPlan::OPTIONS, &ViewingPlan::default());
 }
 
 /// What a session asks about the participant.
@@ -324,18 +291,8 @@ fn line(form: &mut DefinitionForm, ui: &mut Ui, name: &str, key: &str, typed: Ty
 
 fn session(form: &mut DefinitionForm, ui: &mut Ui) {
     ui::section(ui, "Session and plan");
-    let about = "How many people are to take part. The plan may change while a study runs.";
-    form.optional(ui, "Participants", ["plan.participants"; 2], "not planned", about);
-    form.number(ui, "Sessions each", "plan.sessions", 1, "How many sessions each participant attends.");
-    let mut own_means = form.draft().get("session.own_means").as_deref() == Some("true");
-    Field::new("Last page").column(LABELS).show(ui, |ui, _| {
-        let about = "Someone who has seen their own means may rate differently in the next session.";
-        if ui.checkbox(&mut own_means, "shows participants their own mean ratings").on_hover_text(about).changed() {
-            form.edit(|draft| draft.set_flag("session.own_means", own_means));
-        }
-    });
-    let about = "An interrupted session that is resumed later shows the instructions and the practice again.";
-    form.optional(ui, "Practice again after, h", ["session.refresh_after_h"; 2], "never", about);
+    task::options(form, ui, "plan", Plan::OPTIONS, &Plan::default());
+    task::options(form, ui, "session", SessionRules::OPTIONS, &SessionRules::default());
 }
 
 fn texts(form: &mut DefinitionForm, ui: &mut Ui) {

@@ -13,7 +13,7 @@ use crate::{
         session::{Request, room, stimulus_side_px},
         ui::{Field, Monitor, ScreenFields, full, number},
     },
-    display::{DisplayProfile, Screen, Viewing},
+    display::{DisplayProfile, Viewing},
     experiment::{Identity, Protocol, Schedule},
     store::{
         StoreError,
@@ -81,6 +81,11 @@ impl Checked {
     /// Returns the error of a field; empty if there is none.
     pub fn error(&self, part: &str) -> &str {
         self.errors.get(part).map_or("", String::as_str)
+    }
+
+    /// Returns the display profile, or what is wrong with it.
+    pub fn profile(&self) -> Result<&DisplayProfile, &str> {
+        self.display.as_ref().ok_or_else(|| self.error(PROFILE))
     }
 
     /// Returns whether a field has an error.
@@ -178,12 +183,9 @@ impl SessionForm {
 
     /// Returns the viewing geometry, or adds the errors in its fields.
     fn viewing(&self, monitor: &Monitor, errors: &mut BTreeMap<&'static str, String>) -> Option<Viewing> {
-        let cm = |typed: Option<f64>, example| typed.ok_or(format!("Enter a number of centimeters, e.g. {example}."));
-        let width = cm(self.screen.width_cm(monitor), "53.1")
-            .and_then(|cm| Screen::new(monitor.width_px, monitor.height_px, cm))
-            .map_err(|error| errors.insert(SCREEN_WIDTH, error));
-        let distance = cm(number(&self.screen.distance_cm), "57").map_err(|error| errors.insert(DISTANCE, error));
-        Viewing::new(width.ok()?, distance.ok()?).map_err(|error| errors.insert(DISTANCE, error)).ok()
+        let screen = self.screen.screen(monitor).map_err(|error| errors.insert(SCREEN_WIDTH, error));
+        let distance = self.screen.distance().map_err(|error| errors.insert(DISTANCE, error));
+        Viewing::new(screen.ok()?, distance.ok()?).map_err(|error| errors.insert(DISTANCE, error)).ok()
     }
 }
 

@@ -47,7 +47,10 @@ impl Studies {
     }
 
     /// Updates the remembered values. What the program suggests is not remembered.
-    pub(super) fn remember(&self, settings: &mut Settings, monitor: &Monitor, checked: &Checked) {
+    pub fn remember(&self, settings: &mut Settings, monitor: &Monitor, checked: &Checked) {
+        if !self.started {
+            return;
+        }
         let SessionForm { screen, results, experiment, .. } = &self.form;
         let absolute = |text: &str| ui::full(Path::new(text.trim())).display().to_string();
         settings.results = absolute(results);
@@ -220,7 +223,7 @@ impl Studies {
         let (clicked, cancelled) = ui
             .horizontal_wrapped(|ui| {
                 let clicked = ui::primary(ui, text, checked.request.is_some(), "");
-                let cancelled = ui.button("Cancel").clicked();
+                let cancelled = ui.button("Close").clicked();
                 ui::hint(ui, hint);
                 (clicked, cancelled)
             })

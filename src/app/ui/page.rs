@@ -1,9 +1,10 @@
 //! Pages, which are columns of text and controls with a heading, a main button and keys, and navigation between them.
 
 use eframe::egui::{
-    self, CentralPanel, Color32, Context, Event, Frame, Id, Key, Modal, Panel, Popup, RichText, ScrollArea, Ui,
-    UiBuilder, Vec2,
+    self, CentralPanel, Color32, Context, Event, Frame, Id, InputState, Key, Modal, Panel, Popup, RichText, ScrollArea,
+    Ui, UiBuilder, Vec2,
     accesskit::{Action, ActionRequest, TreeId},
+    style::StyleModifier,
 };
 
 use super::{
@@ -86,9 +87,21 @@ pub fn place_page<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
 fn scrolled<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui, f32) -> R) -> R {
     let scrolling = |ui: &mut Ui| {
         let width = ui.available_width();
-        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| add(ui, width)).inner
+        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| paged(ui, |ui| add(ui, width))).inner
     };
     CentralPanel::default().frame(Frame::NONE.inner_margin(MARGIN)).show(ui, scrolling).inner
+}
+
+/// Draws what scrolls: Page Up and Page Down move it, because not everything in it can have the focus.
+pub fn paged<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
+    let added = add(ui);
+    let is_free = ui.memory(|memory| memory.allows_interaction(ui.layer_id())) && !ui.ctx().text_edit_focused();
+    let presses = |key| ui.input(|input| input.num_presses(key)) as f32;
+    let pages = presses(Key::PageUp) - presses(Key::PageDown);
+    if is_free && pages != 0.0 {
+        ui.scroll_with_delta(Vec2::new(0.0, 0.9 * pages * ui.clip_rect().height()));
+    }
+    added
 }
 
 /// Draws a page for one tool, with its name, a back button and its content. Returns whether the user left it, with the
@@ -207,11 +220,12 @@ fn filled(ui: &mut Ui, text: &str, [fill, on_fill]: [Color32; 2], enabled: bool,
     let button = if enabled { button.fill(fill) } else { button };
     let button = button.min_size(Vec2::new(3.0 * BIG_CONTROL, BIG_CONTROL));
     ui.horizontal(|ui| {
-        let clicked = ui.add_enabled(enabled, button).clicked();
+        let response = ui.add_enabled(enabled, button);
+        focus_ring(ui, &response);
         if !hint.is_empty() {
             super::text::hint(ui, hint);
         }
-        clicked
+        response.clicked()
     })
     .inner
 }
@@ -224,7 +238,23 @@ pub fn action(ui: &mut Ui, icon: Icon, text: &str) -> egui::Response {
 /// Draws the main button of a page with an icon.
 pub fn main_action(ui: &mut Ui, icon: Icon, text: &str) -> egui::Response {
     let ink = ink(ui);
-    labeled(ui, icon, text, Some([ink.accent, ink.on_accent]))
+    let response = labeled(ui, icon, text, Some([ink.accent, ink.on_accent]));
+    focus_ring(ui, &response);
+    response
+}
+
+/// Draws a menu below its button. A choice closes it, also with the keyboard, and the focus is seen in it.
+pub fn menu<R>(button: &egui::Response, add: impl FnOnce(&mut Ui) -> R) -> Option<R> {
+    let popup = Popup::menu(button).style(StyleModifier::default());
+    let shown = popup.show(|ui| {
+        let added = add(ui);
+        let chooses = |input: &InputState| input.key_pressed(Key::Enter) || input.key_pressed(Key::Space);
+        if ui.input(chooses) && !button.has_focus() {
+            ui.close();
+        }
+        added
+    });
+    shown.map(|shown| shown.inner)
 }
 
 /// Draws a button without a background, for what is rarely needed; without a text, only its icon, whose name is `name`.

@@ -48,13 +48,13 @@ pub(super) fn fit(text: &str, room: f64) -> String {
 
 /// Formats a level for readers; the depth `inf` becomes ∞.
 pub(super) fn level(name: &str) -> String {
-    let shown = names::level(None, "", &name.to_ascii_lowercase());
+    let shown = names::level(names::Known::None, "", &name.to_ascii_lowercase());
     if number_of(name).is_some() { shown.to_string() } else { name.to_owned() }
 }
 
 /// Returns a factor's name as used within a sentence.
 pub(super) fn in_sentence(results: &Results, factor: &str) -> String {
-    clean(&names::factor(results.options.parameters, factor))
+    clean(&names::factor(results, factor))
 }
 
 /// Returns a caption: it begins with a capital letter and ends with a period.

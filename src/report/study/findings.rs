@@ -376,8 +376,8 @@ pub(super) fn range_of(results: &Results, variable: &Variable) -> Option<(f64, S
     levels.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (first, last) = (levels.first()?, levels.last()?);
     let name = names::factor(results, &factor.name);
-    let [low, high] = [first, last]
-        .map(|(_, level)| crate::report::names::rounded_level(results.options.parameters, &factor.name, level, 4));
+    let [low, high] =
+        [first, last].map(|(_, level)| crate::report::names::rounded_level(results, &factor.name, level, 4));
     let what = match results.spec.link {
         Link::Logit => "the odds of a higher rating are multiplied by",
         Link::Probit => "the shift of the latent response in standard deviations is",

@@ -6,7 +6,7 @@ use crate::{
     analysis::Results,
     experiment::Protocol,
     report::document::{Section, TableOf, whole},
-    store::ratings::{FileRead, Layout, Source},
+    store::ratings::Source,
 };
 
 /// How an analysis was performed.
@@ -52,14 +52,8 @@ pub(super) fn section(source: &Source, results: &Results, provenance: &Provenanc
         ("Simulated studies, at most", whole(resampling.draws.into()).to_string()),
     ];
     provenance.tell(&mut section, further);
-    let kind = |file: &FileRead| match file.layout {
-        Layout::Results => "results",
-        Layout::Counts => "counts",
-        Layout::Long => "long table",
-    };
     TableOf::new("Files", &source.files)
         .text("File", |file| file.path.display().to_string())
-        .text("Kind", kind)
         .text("SHA-256", |file| file.sha256.as_deref().unwrap_or("not computed"))
         .number("Rows", |file| whole(file.rows))
         .number("Rows that count", |file| whole(file.counted))

@@ -22,9 +22,6 @@ use crate::{
     statistics::{Interval, holm},
 };
 
-/// Below this p, the answers vary more than a psychometric function allows.
-const POOR_FIT: f64 = 0.05;
-
 /// Describes a study; `provenance` says how to repeat the analysis.
 pub fn document(
     study: &TaskStudy,
@@ -156,15 +153,7 @@ fn data(study: &TaskStudy) -> Section {
         facts.push(("Levels", format!("{name} from {low} to {high}{by}")));
     }
     section.facts("What was asked and answered", facts);
-    if !study.warnings.is_empty() {
-        section.warning("These files were analyzed despite the following warnings.");
-        section.list(study.warnings.iter().take(20).map(ToString::to_string).collect());
-    }
-    if !study.errors.is_empty() {
-        let errors: Vec<String> = study.errors.iter().take(20).map(ToString::to_string).collect();
-        section.warning("Sessions with errors were left out:");
-        section.list(errors);
-    }
+    section.problems(&study.errors, &study.warnings);
     section
 }
 
@@ -247,7 +236,7 @@ fn reversed(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
     }
 }
 
-/// Says what the answers do not determine, and which functions do not follow them.
+/// Says what the answers do not determine.
 fn doubts(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
     let told = |wanted: &dyn Fn(&PersonFunction) -> bool| told(study, results, wanted);
     let beyond = told(&|function| function.described().is_some_and(|fit| fit.is_extrapolated));
@@ -271,26 +260,10 @@ fn doubts(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
         };
         section.warning(format!("The mean threshold{} {what}", study.at(*condition)));
     }
-    let undetermined = |function: &PersonFunction| {
-        let is_missing = |fit: &Fit| function.threshold().is_none() || fit.determined_slope().is_none();
-        function.described().is_some_and(is_missing)
-    };
-    if results.functions.iter().any(undetermined) {
-        section.note(
-            "A threshold or slope is left out if its most probable value lies outside its interval, or a threshold beyond the levels: the answers do \
-             not determine it.",
-        );
-    }
-    let poor = told(&|function| function.goodness.is_some_and(|goodness| goodness.p < POOR_FIT));
-    if !poor.is_empty() {
-        section.note(format!(
-            "p of the fit is below .05, as if answers varied more than a psychometric function allows: {}. By chance alone, about {} \
-             of {} would be.",
-            short_list(&poor, 12),
-            fixed(POOR_FIT * results.functions.len() as f64, 1),
-            count(results.functions.len() as u64, "function")
-        ));
-    }
+    section.note(
+        "A threshold or slope is left out if its most probable value lies outside its interval, or a threshold beyond the levels: the answers \
+         do not determine it. If p of the fit is small, answers vary more than a psychometric function allows.",
+    );
 }
 
 fn methods(study: &TaskStudy, results: &TaskResults) -> Section {

@@ -8,7 +8,7 @@ use crate::{
     light::LinearImage,
     shading::{
         frame::{Frame, Outline, View, coverage},
-        lighting::{Lamp, LampPosition, Lighting, Material, Refraction, Transparency},
+        lighting::{Lamp, LampPosition, Lighting, Material, Refraction, Transmits, Transparency},
         mesh::{Mesh, Surface},
         shaders::{Shade, Shading},
     },
@@ -81,13 +81,7 @@ impl Composition {
         });
         let targets = self.bodies.iter().any(|body| body.index.is_some()).then(|| targets(&self.bodies, &frames));
         let picture = Picture { scene: self, view, drawn: drawn.collect(), targets };
-        let mut image = LinearImage::new(width, height);
-        let row = 3 * width as usize;
-        image.data.par_chunks_mut((row * ROWS).max(1)).enumerate().for_each(|(band, pixels)| {
-            checkpoint();
-            picture.draw(band * ROWS, pixels);
-        });
-        image
+        in_bands(width, height, |first, pixels| picture.draw(first, pixels))
     }
 }
 
@@ -169,7 +163,7 @@ impl Picture<'_> {
         for (i, layer) in layers.iter().enumerate() {
             let (drawn, body) = (&self.drawn[layer.body], &self.scene.bodies[layer.body]);
             let front = drawn.shading.light(layer.triangle, drawn.frame.weights(layer.triangle, place));
-            if body.transparency == Transparency::Opaque {
+            if body.transparency.kind == Transmits::Opaque {
                 light = front;
                 break;
             }
@@ -223,7 +217,7 @@ impl Picture<'_> {
             let leaves = inside.contains(&which);
             if !leaves && shown.iter().all(|layer| layer.body != which) {
                 let front = self.lit(from, along, at);
-                if body.transparency == Transparency::Opaque {
+                if body.transparency.kind == Transmits::Opaque {
                     return over(&passed, front);
                 }
                 passed.push((body.transparency, front));
@@ -284,11 +278,8 @@ pub(super) const ROWS: usize = 16;
 pub fn image(frame: &Frame, shade: &Shade) -> LinearImage {
     let (shading, outlines) = (Shading::new(frame, shade), coverage::outlines(frame));
     let background = frame.background.as_vec3().to_array();
-    let mut image = LinearImage::new(frame.width, frame.height);
     let width = frame.width as usize;
-    image.data.par_chunks_mut((3 * width * ROWS).max(1)).enumerate().for_each(|(band, pixels)| {
-        checkpoint();
-        let first = band * ROWS;
+    in_bands(frame.width, frame.height, |first, pixels| {
         let seen = coverage::visible_in(frame, &outlines, first as u32..(first + pixels.len() / (3 * width)) as u32);
         for (i, (pixel, triangle)) in pixels.as_chunks_mut::<3>().0.iter_mut().zip(seen).enumerate() {
             if triangle == coverage::NONE {
@@ -299,6 +290,15 @@ pub fn image(frame: &Frame, shade: &Shade) -> LinearImage {
             let light = shading.light(triangle as usize, frame.weights(triangle as usize, center));
             *pixel = light.as_vec3().to_array();
         }
+    })
+}
+
+/// Returns an image whose bands of rows `draw` draws, each from its first row on.
+fn in_bands(width: u32, height: u32, draw: impl Fn(usize, &mut [f32]) + Sync) -> LinearImage {
+    let mut image = LinearImage::new(width, height);
+    image.data.par_chunks_mut((3 * width as usize * ROWS).max(1)).enumerate().for_each(|(band, pixels)| {
+        checkpoint();
+        draw(band * ROWS, pixels);
     });
     image
 }

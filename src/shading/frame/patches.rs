@@ -14,10 +14,7 @@ use rayon::prelude::*;
 
 use super::projected::{Frame, FrameVertex};
 use crate::{
-    shading::{
-        cubic::{self, Coefficients, Gradient, Slope},
-        mesh::rings,
-    },
+    shading::cubic::{self, Coefficients, Gradient, Slope},
     system::checkpoint,
 };
 
@@ -68,7 +65,7 @@ impl Patches {
     /// the surrounding vertices alone determine it.
     pub fn new(frame: &Frame, field: Field) -> Patches {
         let triangles = frame.triangles.iter().map(|triangle| (triangle.fans, triangle.vertices));
-        let neighbors = rings(frame.fans.len(), triangles);
+        let neighbors = cubic::around(frame.fans.len(), triangles);
         let gradients = neighbors.par_iter().enumerate().map(|(fan, ring)| gradient(frame, field, fan, ring)).collect();
         Patches::with_gradients(frame, field, gradients)
     }
@@ -80,20 +77,18 @@ impl Patches {
         let of_triangle = |t: usize| {
             checkpoint();
             let corners = frame.corners(t);
-            let across = [0, 1, 2].map(|k| {
-                let ends = [corners[(k + 1) % 3], corners[(k + 2) % 3]];
-                cubic::across(
-                    &frame.view,
-                    ends.map(|v| v.screen.to_array()),
-                    ends.map(|v| v.eye.to_array()),
-                    ends.map(|v| v.normal.to_array()),
-                )
-            });
+            let of = |vector: fn(&FrameVertex) -> DVec3| corners.map(|v| vector(v).to_array());
+            let places = (corners.map(|v| v.screen.to_array()), of(|v| v.eye), of(|v| v.normal));
             let slopes = frame.triangles[t].sides.map(|sides| sides.map(|fan| &gradients[fan as usize]));
-            cubic::cubic(corners.map(|v| v.screen.to_array()), corners.map(|v| field.at(v).to_array()), slopes, across)
+            cubic::cubic(&frame.view, places, corners.map(|v| field.at(v).to_array()), slopes)
         };
         let coefficients = (0..frame.triangles.len()).into_par_iter().map(of_triangle).collect();
         Patches { gradients, coefficients }
+    }
+
+    /// Returns the value at the point where the corners of a triangle have the weights `w` on the screen.
+    pub fn value(&self, triangle: usize, w: [f64; 3]) -> DVec3 {
+        cubic::value(&self.coefficients[triangle], w).into()
     }
 }
 

@@ -183,7 +183,7 @@ pub struct FrameTriangle {
     pub vertices: [u32; 3],
     /// The fans of the corners, as indices into [`Frame::fans`].
     pub fans: [u32; 3],
-    /// The fans whose slopes count along the edges; see [`cubic::Fans::sides`].
+    /// The fans whose slopes count along the edges; see [`cubic::Surface::sides`].
     pub sides: [[u32; 2]; 3],
     /// The index of the mesh's triangle.
     pub of_mesh: u32,
@@ -362,7 +362,7 @@ impl Frame {
                     self.creases.push(MeantCrease { ends, triangle: self.triangles.len() as u32 });
                 }
             }
-            let (mut fans, mut sides) = (surface.fans.of_corners[t], surface.fans.sides[t]);
+            let (mut fans, mut sides) = (surface.fans.triangles[t], surface.fans.sides[t]);
             if is_back {
                 let of_back = |fan: u32| fan + surface.fans.vertices.len() as u32;
                 fans = [fans[0], fans[2], fans[1]].map(of_back);

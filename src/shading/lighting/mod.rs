@@ -10,4 +10,4 @@ mod model;
 
 pub use microfacets::{Microfacets, beckmann, fresnel, gaussian, geometry};
 pub use model::{Lamp, LampPosition, Lighting, Material, Specular, attenuation};
-pub use model::{Refraction, Transparency};
+pub use model::{Refraction, Transmits, Transparency};

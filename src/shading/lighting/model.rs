@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::microfacets::Microfacets;
-use crate::light::interpolation::power;
+use crate::{light::interpolation::power, text::names::named};
 
 /// How a surface reflects light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -181,36 +181,37 @@ impl Refraction {
     }
 }
 
+named! {
+    /// Which of the two formulas of transparency applies.
+    Transmits, UnknownTransparency {
+        /// No light passes.
+        Opaque = "opaque",
+        /// (1 − k_t)·I_1 + k_t·I_2, as seen through a fine mesh; the surface's own light decreases as k_t increases.
+        Interpolated = "interpolated",
+        /// I_1 + k_t·O_t·I_2, as seen through colored glass; the surface's own light stays the same. The sum can exceed 1.
+        Filtered = "filtered",
+    }
+}
+
 /// How a surface transmits light from behind it, without refraction.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Transparency {
-    /// The surface transmits no light.
-    #[default]
-    Opaque,
-    /// Interpolated: (1 − k_t)·I_1 + k_t·I_2, as seen through a fine mesh; the surface's own light decreases as k_t
-    /// increases.
-    Interpolated {
-        /// k_t, the transmission coefficient, 0 (opaque) … 1 (invisible).
-        k_t: f64,
-    },
-    /// Filtered: I_1 + k_t·O_t·I_2, as seen through colored glass; the surface's own light stays the same. The sum can
-    /// exceed 1.
-    Filtered {
-        /// k_t, the transmission coefficient, 0 (opaque) … 1.
-        k_t: f64,
-        /// O_t, the transparency color: red, green and blue, 0…1.
-        color: DVec3,
-    },
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transparency {
+    /// The formula.
+    pub kind: Transmits,
+    /// k_t, the transmission coefficient, 0 (opaque) … 1.
+    pub k_t: f64,
+    /// O_t, the transparency color: red, green and blue, 0…1.
+    pub color: DVec3,
 }
 
 impl Transparency {
     /// Returns the linear red, green and blue light of a surface that itself sends `front` (I_1), in front of a surface
     /// that sends `behind` (I_2). For several surfaces, apply this from the farthest to the nearest.
     pub fn through(&self, front: DVec3, behind: DVec3) -> DVec3 {
-        match *self {
-            Transparency::Opaque => front,
-            Transparency::Interpolated { k_t } => (1.0 - k_t) * front + k_t * behind,
-            Transparency::Filtered { k_t, color } => front + k_t * color * behind,
+        match self.kind {
+            Transmits::Opaque => front,
+            Transmits::Interpolated => (1.0 - self.k_t) * front + self.k_t * behind,
+            Transmits::Filtered => front + self.k_t * self.color * behind,
         }
     }
 }

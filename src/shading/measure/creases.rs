@@ -14,10 +14,6 @@ use crate::{
 /// The crease at one edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgeCrease {
-    /// The two triangles, as indices into [`Frame::triangles`].
-    pub triangles: [u32; 2],
-    /// The edge's ends, as indices into [`Frame::vertices`].
-    pub ends: [u32; 2],
     /// The edge's length on the screen in pixels.
     pub length: f64,
     /// The jump of the slope normal to the edge, in linear light per pixel: the root mean square along the edge and
@@ -118,16 +114,9 @@ fn measured(
         jump2 += (own.1 + theirs.1).length_squared();
     }
     let samples = (3 * POINTS) as f64;
-    let [(t, k), (other, _)] = sides;
-    let ends = [1, 2].map(|i| frame.triangles[t].vertices[(k + i) % 3]);
-    let [a, b] = ends.map(|v| frame.vertices[v as usize].screen);
-    EdgeCrease {
-        triangles: [t as u32, other as u32],
-        ends,
-        length: a.distance(b),
-        jump: (jump2 / samples).sqrt(),
-        step: (step2 / samples).sqrt(),
-    }
+    let (t, k) = sides[0];
+    let [a, b] = [1, 2].map(|i| frame.corners(t)[(k + i) % 3].screen);
+    EdgeCrease { length: a.distance(b), jump: (jump2 / samples).sqrt(), step: (step2 / samples).sqrt() }
 }
 
 /// Returns the light, and its slope normal to the edge opposite corner `k` into triangle `t`, at the point that divides

@@ -4,8 +4,8 @@ use glam::DVec3;
 use nalgebra::{SMatrix, SVector};
 use rayon::prelude::*;
 
-use super::{triangles::Mesh, triangles::rings};
-use crate::text::names::named;
+use super::triangles::Mesh;
+use crate::{shading::cubic, text::names::named};
 
 named! {
     /// Where the normals at the vertices come from.
@@ -53,7 +53,7 @@ impl Mesh {
         if !matches!(normals, Normals::Cubic | Normals::Best) {
             return self;
         }
-        let rings = rings(self.vertices.len(), self.triangles.iter().map(|corners| (*corners, *corners)));
+        let rings = cubic::around(self.vertices.len(), self.triangles.iter().map(|corners| (*corners, *corners)));
         let areas = (normals == Normals::Best).then(|| self.means(DVec3::cross));
         for _ in 0..PASSES {
             let fits: Vec<Option<Fit>> = rings.par_iter().enumerate().map(|(v, ring)| self.fitted(v, ring)).collect();

@@ -16,6 +16,5 @@ pub use normals::newell;
 pub use paint::{Coat, Paint, PaintedCorner, Texture, Wrap};
 pub use smooth::Smooth;
 pub use triangles::Surface;
-pub(crate) use triangles::rings;
 pub use triangles::{Edge, EdgeKind, Edges, Mesh, Vertex};
 pub use weld::Seams;

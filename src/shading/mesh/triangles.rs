@@ -148,23 +148,6 @@ impl Edges {
     }
 }
 
-/// Returns, for each of `count` fans or vertices, the other vertices of its triangles, each once, in the order of the
-/// triangles. Each triangle is given by the fans and the vertices of its corners.
-pub fn rings(count: usize, triangles: impl Iterator<Item = ([u32; 3], [u32; 3])>) -> Vec<Vec<u32>> {
-    let mut rings = vec![Vec::new(); count];
-    for (fans, vertices) in triangles {
-        for k in 0..3 {
-            let ring = &mut rings[fans[k] as usize];
-            for other in [vertices[(k + 1) % 3], vertices[(k + 2) % 3]] {
-                if !ring.contains(&other) {
-                    ring.push(other);
-                }
-            }
-        }
-    }
-    rings
-}
-
 /// A mesh with its edges and its curvature, which depend on neither the view nor the light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
@@ -174,11 +157,11 @@ pub struct Surface {
     pub edges: Edges,
     /// The curvature at the vertices: dN/dp, the change of the unit normal along the surface, which is symmetric, and zero
     /// along the normal. A sphere of radius r with outward normals has (I − NNᵀ)/r.
-    pub fans: cubic::Fans,
+    pub fans: cubic::Surface,
 }
 
 impl Surface {
-    /// Computes the edges and the curvature of `mesh`, as [`cubic::fans`] does. Vertices on either side of a crease use
+    /// Computes the edges and the curvature of `mesh`, as [`cubic::Surface::joined`] does. Vertices on either side of a crease use
     /// only their own faces.
     pub fn new(mesh: Mesh) -> Surface {
         let edges = Edges::of(&mesh);
@@ -192,7 +175,7 @@ impl Surface {
         let of = |vector: fn(&super::Vertex) -> DVec3| -> Vec<cubic::V> {
             mesh.vertices.iter().map(|vertex| vector(vertex).to_array()).collect()
         };
-        let fans = cubic::fans(&of(|v| v.position), &of(|v| v.normal), &mesh.triangles, &across);
+        let fans = cubic::Surface::joined(&of(|v| v.position), &of(|v| v.normal), &mesh.triangles, &across);
         checkpoint();
         Surface { mesh, edges, fans }
     }

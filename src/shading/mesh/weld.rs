@@ -61,14 +61,14 @@ impl Polygons {
             }
         }
         let mut joined: HashMap<u32, u32> = HashMap::new();
-        let mut kept = Boxes::default();
+        let line = Line::new(reach.keys().map(|site| (*site, positions[*site as usize])));
         for (&site, &own) in &reach {
             let place = positions[site as usize];
             let away = |other: u32| positions[other as usize].distance(place);
-            let near = kept.near(place, own).filter(|other| away(*other) <= own.min(reach[other]));
-            match near.min_by(|a, b| away(*a).total_cmp(&away(*b))) {
-                Some(other) => drop(joined.insert(site, other)),
-                None => kept.insert(place, own, site),
+            let kept = line.near(place, own).filter(|other| *other < site && !joined.contains_key(other));
+            let near = kept.filter(|other| away(*other) <= own.min(reach[other]));
+            if let Some(other) = near.min_by(|a, b| away(*a).total_cmp(&away(*b))) {
+                joined.insert(site, other);
             }
         }
         for site in &mut self.sites {
@@ -84,8 +84,7 @@ impl Polygons {
         let ends = |edge: &[u32; 2]| edge.map(|site| positions[site as usize]);
         let place = |edge: &[u32; 2]| 0.5 * ends(edge)[0] + 0.5 * ends(edge)[1];
         let reach = |edge: &[u32; 2]| NEAR * length(edge).min(size);
-        let mut middles = Boxes::default();
-        (0_u32..).zip(&open).for_each(|(i, edge)| middles.insert(place(edge), reach(edge), i));
+        let middles = Line::new((0..).zip(open.iter().map(place)));
         let is_beside = |edge: &&[u32; 2]| {
             let [a, b] = ends(edge);
             middles.near(place(edge), reach(edge)).any(|i| {
@@ -104,33 +103,27 @@ impl Polygons {
     }
 }
 
-/// Numbered places in boxes, by the octave of how far each reaches.
-#[derive(Default)]
-struct Boxes {
-    octaves: BTreeMap<i32, HashMap<[u64; 3], Vec<u32>>>,
-}
+/// Points in their order along a direction to which hardly any plane of a mesh is perpendicular, so that few of them lie
+/// at one place.
+struct Line(Vec<(f64, u32)>);
 
-impl Boxes {
-    /// Returns the lowest and the highest box within `reach` of a place in each direction.
-    fn boxes(octave: i32, place: DVec3, reach: f64) -> [[f64; 3]; 2] {
-        // Wider than two of these reaches, so that they lie in at most two boxes in each direction.
-        let width = f64::from(octave + 2).exp2();
-        [place - reach, place + reach].map(|at| ((at / width).floor() + DVec3::ZERO).to_array())
+impl Line {
+    fn along(place: DVec3) -> f64 {
+        place.dot(DVec3::new(0.125_f64.sqrt(), 0.5, 0.625_f64.sqrt()))
     }
 
-    fn insert(&mut self, place: DVec3, reach: f64, number: u32) {
-        let octave = reach.log2().floor() as i32;
-        let [key, _] = Self::boxes(octave, place, 0.0);
-        self.octaves.entry(octave).or_default().entry(key.map(f64::to_bits)).or_default().push(number);
+    fn new(places: impl Iterator<Item = (u32, DVec3)>) -> Line {
+        let mut points: Vec<_> = places.map(|(number, place)| (Line::along(place), number)).collect();
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Line(points)
     }
 
-    /// Returns the places that may be as near as `reach`, and as their own reach.
+    /// Returns the points that may be within `reach` of a place.
     fn near(&self, place: DVec3, reach: f64) -> impl Iterator<Item = u32> {
-        self.octaves.iter().flat_map(move |(octave, boxes)| {
-            let ends = Self::boxes(*octave, place, reach.min(f64::from(octave + 1).exp2()));
-            let key = move |i: usize| std::array::from_fn::<u64, 3, _>(|axis| ends[i >> axis & 1][axis].to_bits());
-            let is_new = move |i: &usize| (0..3).all(|axis| i >> axis & 1 == 0 || ends[0][axis] != ends[1][axis]);
-            (0..8).filter(is_new).filter_map(move |i| boxes.get(&key(i))).flatten().copied()
-        })
+        let at = Line::along(place);
+        // The product rounds.
+        let reach = 1.001 * reach + 1e-15 * place.abs().element_sum();
+        let first = self.0.partition_point(|point| point.0 < at - reach);
+        self.0[first..].iter().take_while(move |point| point.0 <= at + reach).map(|point| point.1)
     }
 }

@@ -9,41 +9,53 @@ mod phong;
 mod shade;
 mod strips;
 
-pub use interpolated::ShaderKernel;
 pub use shade::{Correction, Shade, Shader};
 
 use glam::DVec3;
 
 use self::{
     corrections::Corrections,
-    interpolated::{Flat, Gouraud, Quadratic, weighted},
-    phong::{C1Phong, Phong},
-    strips::{Slope, Strips},
+    interpolated::{bulges, flat, quadratic, weighted},
+    phong::{c1_phong, phong},
+    strips::{Curve, Slope, Strips},
 };
 use crate::shading::frame::{Field, Frame, Patches};
 
+/// Spreads light over the triangles of a frame: returns the light at the point where the corners of a triangle have the
+/// given weights on the screen, and where Gouraud's light, Bangay eq. 2, is the last argument.
+type Kernel<'f> = Box<dyn Fn(usize, [f64; 3], DVec3) -> DVec3 + Send + Sync + 'f>;
+
 /// Prepares the shader of `shade`, without corrections, for the triangles of `frame`.
-fn kernel<'f>(frame: &'f Frame, shade: &Shade) -> Box<dyn ShaderKernel + 'f> {
-    let (b, depth) = (shade.strip(), shade.depth);
-    match shade.shader {
-        Shader::Flat => Box::new(Flat::new(frame)),
-        Shader::Phong => Box::new(Phong(frame)),
-        Shader::Quadratic => Box::new(Quadratic::new(frame)),
-        Shader::Patch => Box::new(Patches::new(frame, Field::Light)),
-        Shader::C1Phong => Box::new(C1Phong::new(frame)),
-        Shader::Gouraud => Box::new(Gouraud),
-        // Without strips, the other shaders are the same as Gouraud.
-        _ if b <= 0.0 => Box::new(Gouraud),
-        Shader::Fixed => Box::new(Strips::new(frame, b, depth, Slope::Fixed)),
-        Shader::Gradient => Box::new(Strips::new(frame, b, depth, Slope::Printed)),
-        Shader::GradientRepaired => Box::new(Strips::new(frame, b, depth, Slope::Repaired)),
-    }
+fn kernel<'f>(frame: &'f Frame, shade: &Shade) -> Kernel<'f> {
+    let slope = match shade.shader {
+        Shader::Flat => {
+            let lights = frame.each_triangle(|t| flat(frame, t));
+            return Box::new(move |triangle, _, _| lights[triangle]);
+        }
+        Shader::Phong => return Box::new(|triangle, w, _| phong(frame, triangle, w)),
+        Shader::Quadratic => {
+            let bulges = frame.each_triangle(|t| bulges(frame, t));
+            return Box::new(move |triangle, w, gouraud| quadratic(&bulges[triangle], w, gouraud));
+        }
+        Shader::Patch => {
+            let patches = Patches::new(frame, Field::Light);
+            return Box::new(move |triangle, w, _| patches.value(triangle, w));
+        }
+        Shader::C1Phong => return c1_phong(frame),
+        Shader::Gouraud => return Box::new(|_, _, gouraud| gouraud),
+        Shader::Fixed => Slope::Fixed,
+        Shader::Gradient => Slope::Printed,
+        Shader::GradientRepaired => Slope::Repaired,
+    };
+    // Without a width, no weight lies in a strip, and the light is Gouraud's.
+    let strips = Strips { frame, strip: shade.strip(), step: Curve::printed(shade.depth), slope };
+    Box::new(move |triangle, w, gouraud| strips.light(triangle, w, gouraud))
 }
 
 /// A frame ready to be shaded. The shader's light comes first, then vertex shading, then reweighting, then the paint.
 pub struct Shading<'f> {
     frame: &'f Frame,
-    kernel: Box<dyn ShaderKernel + 'f>,
+    kernel: Kernel<'f>,
     /// Bangay's corrections, if any are enabled.
     corrections: Option<Corrections<'f>>,
     /// True if paint multiplies the light: a shader that lights every pixel applies it itself.
@@ -69,7 +81,7 @@ impl<'f> Shading<'f> {
     pub fn light(&self, triangle: usize, w: [f64; 3]) -> DVec3 {
         let [a, b, c] = self.frame.corners(triangle);
         let gouraud = weighted(w, [a.light, b.light, c.light]);
-        let light = self.kernel.light(triangle, w, gouraud);
+        let light = (self.kernel)(triangle, w, gouraud);
         let light = self.corrections.as_ref().map_or(light, |corrections| corrections.corrected(triangle, w, light));
         let color = self.is_multiplied.then(|| self.frame.paint_color(triangle, w)).flatten();
         color.map_or(light, |color| light * color)

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::interpolated::{ShaderKernel, weighted};
+use super::{Kernel, interpolated::weighted};
 use crate::shading::{
     frame::{Field, Frame, FrameVertex, Patches},
     mesh::{Coat, PaintedCorner},
@@ -46,19 +46,14 @@ impl Frame {
 /// Phong interpolates the normal and lights every pixel, Shoaff §3.4. The surface has the normalized normal Σ a_i·N_i at
 /// the position Σ a_i·P_i, where a_i are the weights on the flat triangle: as on graphics cards, w_i/z_i divided by their
 /// sum, with the weights w_i on the screen and the distances z_i from the eye's plane.
-pub struct Phong<'f>(pub &'f Frame);
-
-impl ShaderKernel for Phong<'_> {
-    fn light(&self, triangle: usize, w: [f64; 3], _: DVec3) -> DVec3 {
-        let frame = self.0;
-        let [a, b, c] = frame.corners(triangle);
-        let near = |v: &FrameVertex| frame.view.nearness(v.eye.z);
-        let on_surface = [w[0] * near(a), w[1] * near(b), w[2] * near(c)];
-        let normal = weighted(on_surface, [a.normal, b.normal, c.normal]).normalize_or_zero();
-        let far = 1.0 / (on_surface[0] + on_surface[1] + on_surface[2]);
-        let place = weighted(on_surface, [a.eye, b.eye, c.eye]) * far;
-        frame.pixel(triangle, w, place, normal, frame.view.to_viewer(place))
-    }
+pub fn phong(frame: &Frame, triangle: usize, w: [f64; 3]) -> DVec3 {
+    let [a, b, c] = frame.corners(triangle);
+    let near = |v: &FrameVertex| frame.view.nearness(v.eye.z);
+    let on_surface = [w[0] * near(a), w[1] * near(b), w[2] * near(c)];
+    let normal = weighted(on_surface, [a.normal, b.normal, c.normal]).normalize_or_zero();
+    let far = 1.0 / (on_surface[0] + on_surface[1] + on_surface[2]);
+    let place = weighted(on_surface, [a.eye, b.eye, c.eye]) * far;
+    frame.pixel(triangle, w, place, normal, frame.view.to_viewer(place))
 }
 
 /// New in machband: Phong's lighting at every pixel, with normals that change with a continuous slope: the reduced
@@ -67,37 +62,21 @@ impl ShaderKernel for Phong<'_> {
 /// The line of sight through a pixel is known exactly, so the direction to the eye is smooth. The position on it
 /// matters only if a lamp is near. It then comes from a cubic of z, because the depths of flat triangles bend at their
 /// edges.
-pub struct C1Phong<'f> {
-    normals: Patches,
-    /// Positions, of which z counts, if a lamp is near.
-    places: Option<Patches>,
-    /// Where the line of sight to each vertex meets the plane z = 0.
-    sights: Vec<DVec3>,
-    frame: &'f Frame,
-}
-
-impl<'f> C1Phong<'f> {
-    /// Prepares the shader for the triangles of `frame`, lit by the frame's lamps.
-    pub fn new(frame: &'f Frame) -> Self {
-        let places = frame.lighting.has_near_lamps().then(|| Patches::new(frame, Field::Position));
-        let sights = frame.vertices.iter().map(|v| frame.view.sight(v.screen).extend(0.0)).collect();
-        C1Phong { normals: Patches::new(frame, Field::Normal), places, sights, frame }
-    }
-}
-
-impl ShaderKernel for C1Phong<'_> {
-    fn light(&self, triangle: usize, w: [f64; 3], gouraud: DVec3) -> DVec3 {
-        let frame = self.frame;
-        let normal = self.normals.light(triangle, w, gouraud).normalize_or_zero();
-        let ([a, b, c], sight) = (frame.triangles[triangle].vertices, |v: u32| self.sights[v as usize]);
-        let mut place = weighted(w, [sight(a), sight(b), sight(c)]);
+pub fn c1_phong(frame: &Frame) -> Kernel<'_> {
+    let places = frame.lighting.has_near_lamps().then(|| Patches::new(frame, Field::Position));
+    let normals = Patches::new(frame, Field::Normal);
+    // Where the line of sight to each vertex meets the plane z = 0.
+    let sights: Vec<DVec3> = frame.vertices.iter().map(|v| frame.view.sight(v.screen).extend(0.0)).collect();
+    Box::new(move |triangle, w, _| {
+        let normal = normals.value(triangle, w).normalize_or_zero();
+        let mut place = weighted(w, frame.triangles[triangle].vertices.map(|v| sights[v as usize]));
         let to_viewer = frame.view.to_viewer(place);
-        if let Some(places) = &self.places {
-            place.z = places.light(triangle, w, gouraud).z;
+        if let Some(places) = &places {
+            place.z = places.value(triangle, w).z;
             // A parallel projection moves only z; a perspective one moves along the line of sight.
             let nearer = 1.0 - place.z / frame.view.distance;
             (place.x, place.y) = (place.x * nearer, place.y * nearer);
         }
         frame.pixel(triangle, w, place, normal, to_viewer)
-    }
+    })
 }

@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 
-use super::interpolated::{OTHERS, ShaderKernel};
+use super::interpolated::OTHERS;
 use crate::{
     light::{Depth, Interpolation},
     shading::frame::Frame,
@@ -64,11 +64,12 @@ impl Curve {
 /// there. The second shader, §4.2.1, is intended to give the light at an edge a slope between the slopes of the two
 /// triangles; at an edge without a neighbor, it is the fixed one.
 pub struct Strips<'f> {
-    frame: &'f Frame,
-    strip: f64,
+    pub frame: &'f Frame,
+    /// b, the width of the strips.
+    pub strip: f64,
     /// I_n as printed.
-    step: Curve,
-    slope: Slope,
+    pub step: Curve,
+    pub slope: Slope,
 }
 
 /// The slope of the light at an edge.
@@ -81,12 +82,7 @@ pub enum Slope {
     Repaired,
 }
 
-impl<'f> Strips<'f> {
-    /// Prepares the shader for the triangles of `frame`, with strips of width `b`.
-    pub fn new(frame: &'f Frame, b: f64, depth: Depth, slope: Slope) -> Self {
-        Strips { frame, strip: b, step: Curve::printed(depth), slope }
-    }
-
+impl Strips<'_> {
     /// Returns I_F, the light on the far edge of the neighbor across the edge opposite corner `k`, Bangay eqs. 5 and 6: with
     /// f = 2a/(1+a) from B, or −2a/(1−a) from C if a = 2w_B/(w_B+w_C) − 1 is negative. This is exact only if D is the
     /// reflection of A through the midpoint of the edge.
@@ -98,13 +94,12 @@ impl<'f> Strips<'f> {
         let f = size * 2.0 / (size + 1.0);
         Some(self.frame.corners(triangle)[if a < 0.0 { j } else { i }].light * f + (1.0 - f) * apex)
     }
-}
 
-impl ShaderKernel for Strips<'_> {
-    fn light(&self, triangle: usize, w: [f64; 3], gouraud: DVec3) -> DVec3 {
+    /// Returns the light at these weights, where Gouraud's is `gouraud`.
+    pub fn light(&self, triangle: usize, w: [f64; 3], gouraud: DVec3) -> DVec3 {
         let least = least(w);
         // The first of equal weights.
-        let Some(k) = (0..3).find(|k| w[*k] <= least && least < self.strip) else { return gouraud };
+        let Some(k) = (0..3).find(|k| w[*k] <= least && least.max(0.0) < self.strip) else { return gouraud };
         let (i, j) = OTHERS[k];
         let [a, b, c] = self.frame.corners(triangle);
         let lights = [a.light, b.light, c.light];

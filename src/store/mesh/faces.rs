@@ -83,7 +83,6 @@ impl Faces {
         // The faces between vertices that were joined have no area.
         self.is_degenerate |= seams.joined > 0;
         let [reversed, turned, opposed] = self.polygons.unify_winding(&self.positions);
-        let has_all_normals = self.polygons.has_all_normals();
         // Not before the winding is right, which decides to which side they face.
         if self.is_flat && self.polygons.flatten(&self.positions) {
             let note = "faces without normals are flat, as the specification of glTF says; averaged normals would make them smooth";
@@ -91,8 +90,7 @@ impl Faces {
         }
         let has_normals = self.polygons.has_normals();
         if crease_deg != 180.0 && self.polygons.has_all_normals() {
-            let because = if has_all_normals { "every corner has a normal" } else { "faces without normals are flat" };
-            self.notes.push(format!("the crease angle has no effect, because {because}"));
+            self.notes.push("the crease angle has no effect, because every corner has a normal".to_owned());
         }
         let mesh = Mesh::from_polygons(&self.positions, &self.polygons, crease_deg).map_err(|error| {
             let message = match error {
@@ -114,26 +112,18 @@ impl Faces {
             return Err(FileErrors::whole(file, message));
         }
         let Self { mut notes, .. } = self;
-        let mut found = |number: usize, [one, more]: [&str; 2], why: &str| match number {
-            0 => {}
-            1 => notes.push(format!("1 {one}{why}")),
-            _ => notes.push(format!("{number} {more}{why}")),
-        };
-        let left_out =
-            ["face was left out, because it repeats another one", "faces were left out, because they repeat others"];
-        let reversed_because = ["face was reversed, because ", "faces were reversed, because "];
-        let joined = ["vertex was joined with another", "vertices were joined with others"];
-        let beside = [
-            "open edge runs beside another one and is not joined with it, so that a line",
-            "open edges run beside others and are not joined with them, so that lines",
-        ];
-        found(repeated, left_out, "");
-        found(reversed, reversed_because, "the neighbors go around the other way");
-        found(turned, reversed_because, "the surface was inside out");
-        found(opposed, reversed_because, "the normals point to the other side");
-        found(seams.joined, joined, " within a thousandth of an edge");
-        found(seams.beside, beside, " may show there");
-        // Other normals will replace these anyway.
+        for (number, what, of, why) in [
+            (repeated, "left out", "repeated face", ""),
+            (reversed, "reversed", "face", ", because the neighbors go around the other way"),
+            (turned, "reversed", "face", ", because the surface was inside out"),
+            (opposed, "reversed", "face", ", because the normals point to the other side"),
+            (seams.joined, "joined vertices within a thousandth of an edge at", "place", ""),
+            (seams.beside, "left", "open edge", " beside others, so that lines may show there"),
+        ] {
+            if number > 0 {
+                notes.push(format!("{what} {number} {of}{}{why}", if number == 1 { "" } else { "s" }));
+            }
+        }
         let is_wanted = !has_normals && matches!(normals, Normals::Given | Normals::Best);
         Ok(MeshFile { mesh: if is_wanted { mesh.estimated(Normals::Best) } else { mesh }, notes })
     }

@@ -126,8 +126,8 @@ fn extensions(json: &mut json::Root) -> Result<Vec<String>, String> {
         ));
     }
     let required = &mut json.extensions_required;
-    // The crate does not know that these are read.
-    required.retain(|name| !KNOWN.contains(&name.as_str()));
+    // The crate does not know that these are read. Of materials, only the base color and the normal map count.
+    required.retain(|name| !KNOWN.contains(&name.as_str()) && !name.starts_with("KHR_materials_"));
     if !required.is_empty() {
         let names = required.join(", ");
         return Err(format!(

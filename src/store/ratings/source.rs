@@ -163,8 +163,6 @@ pub struct SessionRead {
     pub rated: u64,
     /// Number of main trials without a row, before the last one that has a row.
     pub skipped: u64,
-    /// Number of main trials with a dropped frame; `None` if nothing was measured.
-    pub dropped: Option<u64>,
     /// The sidecar, without its definition, its columns and the hashes of its pictures.
     pub sidecar: Option<Arc<Sidecar>>,
 }

@@ -1,6 +1,7 @@
-//! Draws a coarse torus with c1_phong into a picture, without a window: `cargo run --example torus [picture.png]`.
+//! Draws an icosahedron with the normals of a sphere with c1_phong into a picture, without a window: `cargo run --example
+//! icosahedron [picture.png]`.
 
-use std::{error::Error, f64::consts::TAU};
+use std::error::Error;
 
 use machband_c1::{C1Mesh, Camera, Passes, SHADER};
 use wgpu::util::DeviceExt as _;
@@ -12,30 +13,28 @@ fn main() -> Result<(), Box<dyn Error>> {
     let adapter = pollster::block_on(instance.request_adapter(&Default::default()))?;
     let (device, queue) = pollster::block_on(adapter.request_device(&Default::default()))?;
 
-    // A mesh: positions, normals, and triangles that share their vertices.
-    let (around, along) = (20, 12);
-    let (positions, normals): (Vec<_>, Vec<_>) = (0..around * along)
-        .map(|i| {
-            let [u, v] = [(i / along, around), (i % along, along)].map(|(i, n)| f64::from(i) / f64::from(n) * TAU);
-            let normal = [u.cos() * v.cos(), u.sin() * v.cos(), v.sin()];
-            let ring = [u.cos(), u.sin(), 0.0];
-            (std::array::from_fn(|k| ring[k] + 0.4 * normal[k]), normal)
-        })
-        .unzip();
-    let at = |i: u32, j: u32| i % around * along + j % along;
-    let quads = (0..around).flat_map(|i| (0..along).map(move |j| (i, j)));
-    let triangles: Vec<_> = quads
-        .flat_map(|(i, j)| [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]])
+    // A mesh: positions, normals, and triangles that share their vertices. The neighbors of a corner lie at an edge's
+    // length from it, and those of another triangle farther away.
+    let golden = f64::midpoint(1.0, 5_f64.sqrt());
+    let signs = [[-1.0, -golden], [-1.0, golden], [1.0, -golden], [1.0, golden]];
+    let positions: Vec<_> = signs.iter().flat_map(|[x, y]| [[0.0, *x, *y], [*x, *y, 0.0], [*y, 0.0, *x]]).collect();
+    let normals: Vec<_> = positions.iter().map(|p| p.map(|x| x / (golden + 2.0).sqrt())).collect();
+    let dot = |i: u32, j: u32| (0..3).map(|k| positions[i as usize][k] * positions[j as usize][k]).sum::<f64>();
+    let is_edge = |i: u32, j: u32| (dot(i, j) - golden).abs() < 1e-9;
+    let triples = (0..12_u32).flat_map(|i| (i + 1..12).flat_map(move |j| (i + 1..12).map(move |k| [i, j, k])));
+    let is_outward = |[a, b, c]: [[f64; 3]; 3]| {
+        (0..3).map(|i| a[i] * (b[(i + 1) % 3] * c[(i + 2) % 3] - b[(i + 2) % 3] * c[(i + 1) % 3])).sum::<f64>() > 0.0
+    };
+    let triangles: Vec<_> = triples
+        .filter(|[i, j, k]| is_edge(*i, *j) && is_edge(*j, *k) && is_edge(*k, *i))
+        .filter(|t| is_outward(t.map(|v| positions[v as usize])))
         .collect();
     let passes = Passes::new(&device);
     let mesh = C1Mesh::new(&device, &queue, &positions, &normals, &triangles);
 
-    // A view, with matrices as columns: the torus is tilted by 50° and lies 4 units in front of the eye.
-    let (sin, cos) = 50_f64.to_radians().sin_cos();
-    let model_view = [1., 0., 0., 0., 0., cos, sin, 0., 0., -sin, cos, 0., 0., 0., -4., 1.];
-    let (near, far, zoom) = (2.0, 6.0, 2.4);
-    let depth = [-far / (far - near), -far * near / (far - near)];
-    let projection = [zoom, 0., 0., 0., 0., zoom, 0., 0., 0., 0., depth[0], -1., 0., 0., depth[1], 0.];
+    // A view, with matrices as columns: the mesh lies 6 units in front of the eye, which sees from 3 units on.
+    let model_view = [1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., -6., 1.];
+    let projection = [2.6, 0., 0., 0., 0., 2.6, 0., 0., 0., 0., -1., -1., 0., 0., -3., 0.];
     let camera = Camera { model_view, projection, size: [f64::from(SIDE); 2] };
 
     let mut encoder = device.create_command_encoder(&Default::default());
@@ -68,13 +67,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             })],
         },
         primitive: wgpu::PrimitiveState { cull_mode: Some(wgpu::Face::Back), ..Default::default() },
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format: wgpu::TextureFormat::Depth32Float,
-            depth_write_enabled: Some(true),
-            depth_compare: Some(wgpu::CompareFunction::Less),
-            stencil: Default::default(),
-            bias: Default::default(),
-        }),
+        // A convex mesh needs no depth.
+        depth_stencil: None,
         multisample: Default::default(),
         fragment: Some(wgpu::FragmentState {
             module: &module,
@@ -85,21 +79,16 @@ fn main() -> Result<(), Box<dyn Error>> {
         multiview_mask: None,
         cache: None,
     });
-    let texture = |format, usage| {
-        device.create_texture(&wgpu::TextureDescriptor {
-            label: None,
-            size: wgpu::Extent3d { width: SIDE, height: SIDE, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage: usage | wgpu::TextureUsages::RENDER_ATTACHMENT,
-            view_formats: &[],
-        })
-    };
-    let picture = texture(format, wgpu::TextureUsages::COPY_SRC);
-    let depth = texture(wgpu::TextureFormat::Depth32Float, wgpu::TextureUsages::empty());
-    let [color, depth] = [&picture, &depth].map(|texture| texture.create_view(&Default::default()));
+    let picture = device.create_texture(&wgpu::TextureDescriptor {
+        label: None,
+        size: wgpu::Extent3d { width: SIDE, height: SIDE, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::RENDER_ATTACHMENT,
+        view_formats: &[],
+    });
     let coefficients = mesh.coefficients.create_view(&Default::default());
     let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: None,
@@ -111,16 +100,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     });
     let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-            view: &color,
+            view: &picture.create_view(&Default::default()),
             depth_slice: None,
             resolve_target: None,
             ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
         })],
-        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-            view: &depth,
-            depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Discard }),
-            stencil_ops: None,
-        }),
         ..Default::default()
     });
     pass.set_pipeline(&pipeline);
@@ -142,7 +126,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     queue.submit([encoder.finish()]);
     buffer.slice(..).map_async(wgpu::MapMode::Read, |_| {});
     device.poll(wgpu::PollType::wait_indefinitely())?;
-    let path = std::env::args().nth(1).unwrap_or_else(|| "torus.png".to_owned());
+    let path = std::env::args().nth(1).unwrap_or_else(|| "icosahedron.png".to_owned());
     let mut writer = png::Encoder::new(std::fs::File::create(&path)?, SIDE, SIDE);
     writer.set_color(png::ColorType::Rgba);
     writer.write_header()?.write_image_data(&buffer.slice(..).get_mapped_range()?)?;

@@ -1,9 +1,0 @@
-#version 450 core
-// Generated from wgsl/coefficients.wgsl, which has the comments. Do not edit: `UPDATE_SHADERS=1 cargo test --test shading generated` writes it.
-
-void main() {
-    uint index = uint(gl_VertexID);
-    gl_Position = vec4(((float((index & 1u)) * 4.0) - 1.0), ((float((index >> 1u)) * 4.0) - 1.0), 0.0, 1.0);
-    return;
-}
-
