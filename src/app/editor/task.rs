@@ -256,23 +256,7 @@ fn control(
                 Some(chosen) => form.type_value(key, chosen, Typed::Value),
             }
         }
-        OptionValue::Order => order(form, ui, [label, key, &default, about]),
         OptionValue::Settings => settings(form, ui, option, key),
-    }
-}
-
-fn order(form: &mut DefinitionForm, ui: &mut Ui, field: [&str; 4]) {
-    let known = Some(form.parameters());
-    let of_factor = |factor: String| ["blocked", "latin"].map(|kind| format!("{kind}:{factor}"));
-    let orders: Vec<String> =
-        ["random".to_owned()].into_iter().chain(form.draft().factors().into_iter().flat_map(of_factor)).collect();
-    let title = |order: &str| match order.split_once(':') {
-        Some(("blocked", factor)) => format!("Blocks by {}, random", names::factor(known, factor)),
-        Some(("latin", factor)) => format!("Blocks by {}, Latin square", names::factor(known, factor)),
-        _ => capitalized(order),
-    };
-    if let Some(chosen) = form.choice(ui, field, orders.iter().map(String::as_str), title) {
-        form.type_value(field[1], &chosen, Typed::Text);
     }
 }
 

@@ -9,7 +9,6 @@ use crate::{
         figures::Figure,
         prediction::{Comparison, StudyPrediction},
     },
-    stimulus::ViewingConditions,
     store::{ratings::Source, sidecar::SimulatedObserver},
 };
 
