@@ -158,10 +158,9 @@ fn compare(counts: &Counts, predicted: &[Option<f64>]) -> Result<Comparison, Str
         );
     }
     let ratings = counts.rows.iter().filter(|row| places.binary_search(&row.condition).is_ok()).map(|row| row.count);
-    let means = means_by_subject(counts, places.len(), |row| places.binary_search(&row.condition).ok());
+    let means = means_by_subject(counts, places.len(), |_, condition| places.binary_search(&condition).ok());
     // A participant counts equally, whatever the number of ratings; NaN if nobody rated a condition.
-    let of = |place: usize| mean(means.iter().filter_map(|own| own[place])).unwrap_or(f64::NAN);
-    let means: Vec<f64> = (0..places.len()).map(of).collect();
+    let means: Vec<f64> = means.iter().map(|own| mean(own.values().copied()).unwrap_or(f64::NAN)).collect();
     let (criterion, intervals) = criterion(counts, predicted)?;
     Ok(Comparison {
         criterion,

@@ -187,9 +187,7 @@ fn tests(results: &Results) -> Table {
             let numbers = [test.chi_squared, Some(test.df as f64), p, p_corrected];
             rows.push(test_row([name, &test.term.to_string(), "", ""], report.model.nobs, &numbers, "", &note));
         };
-        for (name, tests) in [("likelihood-ratio", &report.terms), ("proportional-odds", &report.proportional_odds)] {
-            tests.iter().for_each(|test| row(name, test, [test.p, test.p_holm], &simulated));
-        }
+        report.terms.iter().for_each(|test| row("likelihood-ratio", test, [test.p, None], &simulated));
         for Interaction { test, by_signs, .. } in &report.interactions {
             let draws = if *by_signs { "patterns of the participants' signs" } else { &simulated };
             row("interaction", test, [None, test.p], draws);
@@ -385,7 +383,6 @@ pub fn model(results: &Results) -> Value {
             let (share, interval) = report.model.share_between();
             value["intraclass_correlation"] = json!({ "estimate": share, "interval": interval });
             value["likelihood_ratio"] = json!(report.terms);
-            value["proportional_odds"] = json!(report.proportional_odds);
             value["interactions"] = json!(report.interactions);
             value["order"] = json!(report.order);
             value["comparisons"] = json!(report.comparisons);

@@ -13,7 +13,7 @@ use crate::{
     },
     experiment::Factor,
     report::{
-        document::numbers::{count, list, times},
+        document::numbers::{count, fixed, list, percent, times, with_interval},
         names,
     },
     stimulus::ParameterValue,
@@ -28,7 +28,7 @@ impl Planned {
     /// Returns the name of a test in a sentence.
     pub fn test(&self, power: &Power) -> &'static str {
         match self.hypothesis(power).test {
-            Test::Friedman => "Friedman's test",
+            Test::Friedman => "Friedman’s test",
             Test::LikelihoodRatio if power.participants == 1 => "the ordinal model",
             Test::LikelihoodRatio => "the mixed model",
         }
@@ -72,7 +72,7 @@ impl Planned {
                 clauses(&|powers| self.false_alarms(powers))
             ),
             Some(Effect { logits: effect, above, below }) => {
-                let size = effect.map_or_else(String::new, |size| format!("{} ", logits(rounded(size, 2))));
+                let size = effect.map_or_else(String::new, |size| format!("{} ", logits(size)));
                 let [above, below] = [above, below].map(|level| names::level(known, term.name(), level));
                 let enough = clauses(&|powers| self.fewest(powers));
                 format!("Effect of {words} ({size}between {above} and {below}): {enough}.")
@@ -92,7 +92,7 @@ impl Planned {
         let (certain, likely) = (fewest(|power| power.interval().low), fewest(Power::share));
         let most = powers.iter().max_by(|l, r| l.share().total_cmp(&r.share()));
         let Some(power) = certain.or(likely).or(most) else { return String::new() };
-        let (people, share) = (people(power.participants), with_interval(power));
+        let (people, share) = (people(power.participants), found(power));
         match (certain, likely) {
             (Some(_), _) if power.participants == 1 => format!("{people} is {enough}, {share}"),
             (Some(_), _) => format!("{people} are {enough}, {share}"),
@@ -102,7 +102,7 @@ impl Planned {
     }
 
     fn false_alarms(&self, powers: &[&Power]) -> String {
-        let shares: Vec<String> = powers.iter().map(|power| with_interval(power)).collect();
+        let shares: Vec<String> = powers.iter().map(|power| found(power)).collect();
         format!("{} with {}", shares.join(", "), self.test(powers[powers.len() - 1]))
     }
 
@@ -116,13 +116,6 @@ impl Planned {
             let text =
                 "With one participant, the model has no random intercept, so its findings apply only to that person.";
             remarks.push(text.to_owned());
-        }
-        let fewest = self.powers.iter().map(|power| power.participants).min();
-        if let Some(studies) = fewest.and_then(|people| self.plan.calibration(people, &self.sampling)) {
-            remarks.push(format!(
-                "With fewer than {FEW_FOR_LIKELIHOOD_RATIOS} participants, p of the model comes from {studies} simulated \
-                 studies without the effect."
-            ));
         }
         remarks.push(self.differences(deviations));
         let known = Some(self.protocol.stimulus.parameters());
@@ -157,26 +150,14 @@ fn people(number: u32) -> String {
     count(number.into(), "participant")
 }
 
-/// Formats a size on the latent scale: `1 logit`, `0.5 logits`.
-fn logits(size: impl ToString) -> String {
-    let size = size.to_string();
-    format!("{size} {}", if size == "1" { "logit" } else { "logits" })
+/// Formats a size on the latent scale.
+fn logits(size: f64) -> String {
+    format!("{} logits", fixed(size, 2))
 }
 
-/// Formats a power with its interval: `83.5 % (77.6–88.4 %)`. The unit is never on a line of its own.
-fn with_interval(power: &Power) -> String {
-    let interval = power.interval();
-    let [low, high] = [interval.low, interval.high].map(|end| rounded(100.0 * end, 1));
-    format!("{} ({low}–{high}\u{a0}%)", percent(power.share()))
-}
-
-fn percent(share: f64) -> String {
-    format!("{}\u{a0}%", rounded(100.0 * share, 1))
-}
-
-/// Formats a number rounded to at most this many decimals, without trailing zeros.
-fn rounded(value: f64, decimals: usize) -> String {
-    format!("{value:.decimals$}").trim_end_matches('0').trim_end_matches('.').to_owned()
+/// Formats a power with its interval.
+fn found(power: &Power) -> String {
+    format!("{}{}", percent(power.share()), with_interval(Some(power.interval()), percent))
 }
 
 impl Plan {

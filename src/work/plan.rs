@@ -215,7 +215,11 @@ impl Plan {
         Schedule::new(&protocol, &Identity::new("S00000", "1").map_err(anyhow::Error::msg)?, self.seed)?;
         // A difference is found by its 95 % interval.
         let sampling = Sampling { studies: self.studies, seed: self.seed, ..Sampling::default() };
-        let (observer, shifts) = self.threshold_observer(&protocol)?;
+        let adaptive = protocol.adaptive.clone().unwrap_or_default();
+        let (mut observer, (shifts, parameters)) = (ThresholdObserver::of(&adaptive), self.given());
+        for effect in parameters {
+            set(effect, &mut observer.parameters(adaptive.range()), &protocol)?;
+        }
         let slopes = self.slopes();
         let plan = |protocol| ThresholdPlan::new(&protocol, observer.clone(), &shifts, &slopes).map_err(refused);
         let plans = self.with_trials(&protocol)?.into_iter().map(plan).collect::<Result<Vec<_>, _>>()?;
@@ -241,16 +245,6 @@ impl Plan {
             })
         };
         in_order(&self.trials).into_iter().map(with).collect()
-    }
-
-    /// Returns the observer with the requested effects, and those of the levels of factors.
-    fn threshold_observer(&self, protocol: &Protocol) -> Result<(ThresholdObserver, Vec<Shift>), RequestError> {
-        let adaptive = protocol.adaptive.clone().unwrap_or_default();
-        let (mut observer, (shifts, parameters)) = (ThresholdObserver::of(&adaptive), self.given());
-        for effect in parameters {
-            set(effect, &mut observer.parameters(adaptive.range()), protocol)?;
-        }
-        Ok((observer, shifts))
     }
 
     /// Simulates studies of ratings.

@@ -119,7 +119,7 @@ fn a_crossed_interaction_leads() {
             assert_eq!(additive, terms.is_none(), "{found}");
             let checks = results.model.as_ref().unwrap().checks.as_ref().unwrap();
             let outside = |p: &&machband::analysis::Proportion| p.observed < p.range.low || p.observed > p.range.high;
-            let far = checks.cells.iter().filter(outside).count();
+            let far = checks.proportions.iter().filter(outside).count();
             assert!(people < 10 || (far > 4) == terms.is_none(), "{far} cells; {found}");
         }
     }

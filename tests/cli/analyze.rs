@@ -88,7 +88,7 @@ fn analyze_writes_every_documented_file() {
         assert!(told("effect") == estimate && told("se") == se && row["df"].is_empty(), "{row:?}");
         assert!(told("ci_low") < estimate && estimate < told("ci_high"), "{row:?}");
     }
-    for expected in ["friedman", "likelihood-ratio", "proportional-odds"] {
+    for expected in ["friedman", "likelihood-ratio"] {
         assert!(tests.iter().any(|row| row["test"] == expected), "{expected}");
     }
     describes_columns(&out);

@@ -170,7 +170,7 @@ fn effects_null_effects_and_missing_models_are_told_apart() {
     assert_eq!((rows.len(), first), (6, ["shader", "likelihood-ratio", "effect", "3", "gouraud"].map(str::to_owned)));
     assert_eq!(["term", "truth", "power"].map(|name| cell(2, name)), ["mesh", "none", ""]);
     let share = |row, name| 100.0 * cell(row, name).parse::<f64>().unwrap();
-    assert!(said.contains("Effect of shader (3 logits between gouraud and "), "{said}");
+    assert!(said.contains("Effect of shader (3.00 logits between gouraud and "), "{said}");
     let (power, alarms) = (share(0, "power"), share(2, "false_alarms"));
     assert!(power > 80.0 && alarms < 30.0, "{power} {alarms}");
     // The observer has no effect of any factor, so there is no power to report.

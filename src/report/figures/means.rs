@@ -15,7 +15,7 @@ use super::{
 use crate::{
     analysis::{
         Coefficient, Results,
-        counts::{CountRow, Factor},
+        counts::Factor,
         summary::{Group, by_levels, by_levels_as, means_by_subject},
     },
     report::names,
@@ -195,9 +195,11 @@ pub(super) fn participants(results: &Results) -> Option<Figure> {
     Some(Figure::draw("subjects", title, caption, panel.bottom + levels.below(panel.width()), |svg| {
         values.draw(svg, &panel, Some(WHAT));
         levels.draw(svg, &panel, &names::axis(results, &by.name));
-        let level = |row: &CountRow| counts.conditions[row.condition as usize][factor].map(|level| level as usize);
+        let level = |_, condition: u32| counts.conditions[condition as usize][factor].map(|level| level as usize);
         let means = means_by_subject(counts, by.levels.len(), level);
-        shown.iter().for_each(|person| svg.path(&points(&means[*person]), thin));
+        let own =
+            |person: usize| means.iter().map(|of_level| of_level.get(&(person as u32)).copied()).collect::<Vec<_>>();
+        shown.iter().for_each(|person| svg.path(&points(&own(*person)), thin));
         let groups = &results.factors[factor].levels;
         let mean = |level: &String| Some((groups.iter().find(|group| group.names[0] == *level)?.summary.mean, None));
         let means = by.levels.iter().map(mean).collect();

@@ -145,7 +145,6 @@ fn model(results: &Results) -> Vec<String> {
             "Intervals of coefficients{} are profile-likelihood intervals{limits}.",
             if mixed { " and of standard deviations" } else { "" }
         )),
-        report.proportional_odds.iter().any(|test| test.p.is_some()).then(|| ODDS.to_owned()),
         report.comparisons.iter().any(|own| own.p_holm.is_some()).then(|| COMPARED.to_owned()),
         (!results.is_inferential()).then(|| "All inference is about repeated trials of this participant.".to_owned()),
     ];
@@ -158,8 +157,6 @@ const WIDER_MODELS: &str = "The two-way interactions left out of the model were 
                             simulated from the wider models, corrected with Holm’s method.";
 const SIGNS: &str = "The two-way interactions left out of the model were tested with score tests: p is the proportion of \
                      patterns of the signs of the participants’ residual scores with a statistic at least as large";
-const ODDS: &str = "Proportional odds were tested with likelihood ratios of models without random effects, with p values from \
-                    the χ² distribution, corrected with Holm’s method.";
 const COMPARED: &str =
     "Levels were compared in the model, corrected within each factor with Holm’s method (Holm, 1979).";
 

@@ -3,8 +3,8 @@
 use super::names;
 use crate::{
     analysis::{
-        Checks, Coefficient, Comparison, Link, Model, ModelReport, Proportion, RandomEffect, RandomSlope, Results,
-        Slopes, TermTest, Withheld, terms::Term,
+        Checks, Coefficient, Comparison, Link, Model, ModelReport, RandomEffect, RandomSlope, Results, Slopes,
+        TermTest, Withheld, terms::Term,
     },
     report::{
         document::{
@@ -42,7 +42,7 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
     tests(&mut section, results, report);
     order(&mut section, report);
     if let Some(checks) = &report.checks {
-        fit_of_model(&mut section, results, checks);
+        fit_of_model(&mut section, checks);
     }
     section
 }
@@ -269,27 +269,22 @@ fn decimals(estimate: f64, se: Option<f64>) -> usize {
 }
 
 /// What is tested, before the name of its term.
-const KINDS: [&str; 3] = ["effect", "interaction", "proportional odds"];
+const KINDS: [&str; 2] = ["effect", "interaction"];
 
-/// Adds the tests of the terms, of the interactions that the model leaves out, and of proportional odds.
+/// Adds the tests of the terms and of the interactions that the model leaves out.
 fn tests(section: &mut Section, results: &Results, report: &ModelReport) {
     let effects = report.terms.iter().map(|test| (0, test, [test.p, None]));
     let interactions = report.interactions.iter().map(|own| (1, &own.test, [None, own.test.p]));
-    let odds = report.proportional_odds.iter().map(|test| (2, test, [test.p, test.p_holm]));
-    let rows: Vec<(usize, &TermTest, [Option<f64>; 2])> = effects.chain(interactions).chain(odds).collect();
+    let rows: Vec<(usize, &TermTest, [Option<f64>; 2])> = effects.chain(interactions).collect();
     if rows.is_empty() {
         return;
     }
-    let [same, without] = match &report.model.random {
-        Some(_) => [" with the same random effects", ", in models without random effects"],
-        None => ["", ""],
-    };
+    let same = if report.model.random.is_some() { " with the same random effects" } else { "" };
     section.heading("Tests");
     section.text(format!(
         "A small p means that ratings like these would be rare without what is tested. An effect is tested against a model \
          without the term{same}.{} Interactions that the model leaves out are tested because, in the model, the effect of each factor \
-         is the same at every level of the other. Odds are proportional if a term has the same effect at every threshold, as in the \
-         model; the test is against a separate effect at each threshold{without}. The corrected p allows for the number of \
+         is the same at every level of the other. The corrected p allows for the number of \
          tests of the same kind. Methods says where p values come from.",
         if_interacting(
             results,
@@ -317,28 +312,19 @@ fn tests(section: &mut Section, results: &Results, report: &ModelReport) {
 }
 
 /// Says how well the model describes the data.
-fn fit_of_model(section: &mut Section, results: &Results, checks: &Checks) {
+fn fit_of_model(section: &mut Section, checks: &Checks) {
     section.heading("Does the model describe the ratings?");
-    let outside = |all: &[Proportion]| match all.iter().filter(|own| own.is_outside()).count() {
+    let outside = match checks.proportions.iter().filter(|own| own.is_outside()).count() {
         0 => "none lies".to_owned(),
         1 => "one lies".to_owned(),
         n => format!("{} lie", whole(n as u64)),
     };
     let mut text = format!(
         "Studies were simulated from the model. An observed proportion outside the middle 95\u{a0}% of them suggests that the \
-         model does not describe these ratings. Because it was fitted to them, few should lie outside. Of {} at the levels of the \
-         factors, {} outside.",
-        count(checks.proportions.len() as u64, "proportion"),
-        outside(&checks.proportions)
+         model does not describe these ratings: for example, because an effect is not the same at every threshold, as the model \
+         assumes (proportional odds). Because it was fitted to them, few should lie outside. Of {}, {outside} outside.",
+        count(checks.proportions.len() as u64, "proportion")
     );
-    if !checks.cells.is_empty() {
-        text += &format!(
-            " Of {} in the single combinations of {}, {} outside.",
-            count(checks.cells.len() as u64, "proportion"),
-            list(&results.factors.iter().map(|factor| names::factor(results, &factor.name)).collect::<Vec<_>>()),
-            outside(&checks.cells)
-        );
-    }
     if checks.is_poor() {
         text += " These are more than chance allows, so the model does not describe the ratings.";
     }

@@ -3,16 +3,13 @@
 
 use std::collections::BTreeSet;
 
-use super::{
-    findings::{self, ALPHA},
-    health, interactions, names,
-};
+use super::{findings, health, interactions, names};
 use crate::{
     analysis::{
         Checks, ModelReport, Note, Order, Results,
         results::{FactorResults, SubjectResults},
     },
-    report::document::{Section, count, either, list, p_is, short_list, whole},
+    report::document::{Section, count, either, list, short_list, whole},
     store::{FileError, ratings::Source},
 };
 
@@ -214,7 +211,8 @@ fn about_model(results: &Results) -> Vec<String> {
     }));
     if report.checks.as_ref().is_some_and(Checks::is_poor) {
         let text = "The model does not describe the ratings in the single conditions (see “Does the model describe the ratings?”). \
-                    Other terms may describe them better: interactions, or the levels of a factor instead of a slope.";
+                    An effect may differ along the scale, or other terms may describe them better: interactions, or the levels \
+                    of a factor instead of a slope.";
         cautions.push(text.to_owned());
     }
     let notes = &report.model.notes;
@@ -244,14 +242,6 @@ fn about_model(results: &Results) -> Vec<String> {
             if drift > 0.0 { "rise" } else { "fall" }
         ));
     }
-    cautions.extend(report.proportional_odds.iter().filter_map(|test| {
-        let p = p_is(test.p_holm.filter(|p| *p < ALPHA)?);
-        Some(format!(
-            "The ratings show that the effect of {} differs along the scale (test of proportional odds, corrected {p}). Its \
-             coefficient is an average.",
-            names::term(results, &test.term)
-        ))
-    }));
     cautions
 }
 
@@ -259,8 +249,7 @@ fn about_model(results: &Results) -> Vec<String> {
 fn is_serious(note: &Note) -> bool {
     matches!(
         note,
-        Note::RunawayVariance
-            | Note::NoMixedModel
+        Note::NoMixedModel
             | Note::NotConverged { .. }
             | Note::Flat
             | Note::AliasedTerm { .. }
