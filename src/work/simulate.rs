@@ -1,7 +1,7 @@
 //! Sessions with a simulated observer.
 
 use std::{
-    collections::{BTreeMap, BTreeSet},
+    collections::BTreeMap,
     path::PathBuf,
     sync::{
         OnceLock,
@@ -218,14 +218,10 @@ impl Simulation<'_> {
         let origin = before(now(), elapsed);
         let mut session = Session::new(course, &resumed, NO_SCREEN);
         let context = RowContext { protocol, schedule: &schedule, identity: &identity, sitting };
-        let (mut shown, mut conditions) = (BTreeMap::new(), BTreeSet::new());
+        let mut shown = BTreeMap::new();
         let rated = experiment::simulate(&mut session, self.observer.as_ref(), &identity, elapsed, |response| {
             self.advance(1);
-            if protocol.task.is_default() {
-                conditions.insert(schedule.trials[response.trial].condition);
-            } else {
-                shown.extend(response.shown.stimuli.iter().map(|stimulus| (stimulus.key(), stimulus.clone())));
-            }
+            shown.extend(response.shown.stimuli.iter().map(|stimulus| (stimulus.key(), stimulus.clone())));
             store.append(&TrialRecord::new(&context, response, after(origin, response.onset)))?;
             watcher.check(store.csv())
         });
@@ -235,12 +231,12 @@ impl Simulation<'_> {
         // A signal may arrive during the last trial.
         let complete = session.current().is_none();
         let all = || schedule.conditions.iter().map(|condition| &condition.stimulus);
-        if complete && protocol.task.is_default() {
+        if protocol.task.is_default() && (complete || self.hashes.get().is_some()) {
             let hashes = self.hashes.get_or_init(|| self.hash(&all().collect::<Vec<_>>()));
-            store.note_pictures(all().zip(hashes.iter().cloned()));
+            let was_shown = |stimulus: &Stimulus| complete || shown.contains_key(&stimulus.key());
+            store.note_pictures(all().zip(hashes.iter().cloned()).filter(|(stimulus, _)| was_shown(stimulus)));
         } else {
-            let rated = all().enumerate().filter_map(|(i, stimulus)| conditions.contains(&i).then_some(stimulus));
-            let shown: Vec<&Stimulus> = shown.values().chain(rated).collect();
+            let shown: Vec<&Stimulus> = shown.values().collect();
             let hashes = self.hash(&shown);
             store.note_pictures(shown.into_iter().zip(hashes));
         }

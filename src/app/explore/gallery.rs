@@ -170,8 +170,7 @@ impl Gallery {
     pub fn show(&mut self, ui: &mut Ui, display: &DisplayProfile, distance_cm: Option<f64>) -> bool {
         self.display.clone_from(display);
         self.place = ViewingPlace::new(display, distance_cm);
-        // Escape first answers the question whether to replace a file.
-        let escaped = ui::escaped(ui) && !self.saving.cancel();
+        let escaped = ui::escaped(ui);
         self.fit(ui);
         let stimulus = self.settings.stimulus();
         if let Ok(stimulus) = &stimulus {
