@@ -40,11 +40,6 @@ impl Bar {
     pub fn clear(&self) {
         self.0.finish_and_clear();
     }
-
-    /// Prints something above the bar.
-    pub fn above<T>(&self, print: impl FnOnce() -> T) -> T {
-        self.0.suspend(print)
-    }
 }
 
 impl Drop for Bar {
@@ -71,11 +66,11 @@ impl Watcher for Bar {
     }
 
     fn warn(&self, warning: &str) {
-        self.above(|| message("warning", warning));
+        self.0.suspend(|| message("warning", warning));
     }
 
     fn found(&self, file: &Path, sentence: &str) -> anyhow::Result<()> {
-        self.above(|| print_line(&format!("{}: {sentence}", file.display())))
+        self.0.suspend(|| print_line(&format!("{}: {sentence}", file.display())))
     }
 
     fn check(&self, place: &Path) -> anyhow::Result<()> {

@@ -69,10 +69,8 @@ fn told(found: &Comparison, source: &Source) -> String {
     let sittings = source.sessions.iter().filter_map(|session| session.sidecar.as_ref()).flat_map(|of| &of.sittings);
     let is_simulated = sittings.into_iter().any(|sitting| sitting.observer.is_some());
     let who = if is_simulated { "simulated participant" } else { "participant" };
-    let interval = |interval: &Option<[f64; 2]>| {
-        interval.map_or_else(|| "unknown".to_owned(), |[low, high]| format!("{low:.3} to {high:.3}"))
-    };
-    let intervals: Vec<String> = found.intervals.iter().map(interval).collect();
+    let interval = |[low, high]: [f64; 2]| format!("{low:.3} to {high:.3}");
+    let intervals = found.intervals.map(|ends| ends.map_or_else(|| "unknown".to_owned(), interval));
     format!(
         "approximate 95 % intervals of the thresholds: {}; fitted to {} of {}",
         intervals.join(", "),

@@ -160,7 +160,6 @@ enum Drawing<'a> {
     /// Varies only along an orientation, in degrees.
     Line(f64, Box<dyn Profile + 'a>),
     Area(&'a dyn Area),
-    Picture(&'a Picture),
 }
 
 impl Stimulus {
@@ -173,7 +172,7 @@ impl Stimulus {
             Self::Vasarely(vasarely) => Drawing::Area(vasarely),
             Self::Kanizsa(kanizsa) => Drawing::Area(kanizsa),
             Self::ShadedMesh(mesh) => Drawing::Area(mesh),
-            Self::Image(picture) => Drawing::Picture(picture),
+            Self::Image(picture) => Drawing::Area(picture),
         }
     }
 
@@ -212,18 +211,17 @@ impl Stimulus {
         match self.drawing() {
             Drawing::Line(orientation_deg, profile) => drawing::linear(&*profile, orientation_deg, size),
             Drawing::Area(area) => area.linear(size),
-            Drawing::Picture(picture) => picture.linear(size),
         }
     }
 
     /// Returns the codes of a window of `size` × `size` pixels. They equal the quantized light of [`Stimulus::linear`].
     pub fn codes(&self, size: u32, quantizer: &Quantizer) -> CodeImage {
-        match self.drawing() {
-            Drawing::Line(orientation_deg, profile) if quantizer.bits() == Bits::Eight && profile.is_plain() => {
+        match (self, self.drawing()) {
+            (_, Drawing::Line(orientation_deg, profile)) if quantizer.bits() == Bits::Eight && profile.is_plain() => {
                 let samples = Samples::Eight(drawing::codes(&*profile, orientation_deg, size, quantizer));
                 CodeImage { width: size, height: size, samples }
             }
-            Drawing::Picture(picture) => picture.codes(size, quantizer),
+            (Self::Image(picture), _) => picture.codes(size, quantizer),
             _ => quantizer.quantize(&self.linear(size)),
         }
     }
@@ -246,10 +244,6 @@ impl Stimulus {
                 (0..size).map(|i| profile.light(place(i, size), 0.0).map(|light| light as f32)).collect()
             }
             Drawing::Area(area) => area.profile(size),
-            Drawing::Picture(picture) => {
-                let image = picture.linear(size);
-                (0..size).map(|x| image.pixel(x, size / 2)).collect()
-            }
         }
     }
 

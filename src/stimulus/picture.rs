@@ -4,7 +4,10 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize, Serializer, ser::SerializeMap as _};
 
-use super::parameter::{Parameter, ParameterError, ParameterValue};
+use super::{
+    drawing::Area,
+    parameter::{Parameter, ParameterError, ParameterValue},
+};
 use crate::{
     light::{Bits, CodeImage, Dither, LinearImage, Quantizer, Samples, Transfer, image::shares},
     text::names::{expected_one_of, named},
@@ -233,19 +236,7 @@ impl Picture {
         self.chosen().is_some_and(|picture| picture.content.is_some())
     }
 
-    /// Returns the light of a square window of `side` pixels with the picture in its middle.
-    pub(super) fn linear(&self, side: u32) -> LinearImage {
-        let background = [self.gallery.background as f32; 3];
-        let Some(content) = self.chosen().and_then(|picture| picture.content.as_ref()) else {
-            return LinearImage::from_fn(side, side, |_, _| background);
-        };
-        let light = self.sized(self.gallery.show.light(content), side);
-        LinearImage::from_fn(side, side, |x, y| {
-            inside([light.width, light.height], side, x, y).map_or(background, |[x, y]| light.pixel(x, y))
-        })
-    }
-
-    /// Returns the codes of the same window.
+    /// Returns the codes of a window of `side` pixels.
     pub(super) fn codes(&self, side: u32, quantizer: &Quantizer) -> CodeImage {
         let content = self.chosen().and_then(|picture| picture.content.as_ref());
         let Some(content) = content.filter(|_| quantizer.bits() == Bits::Eight) else {
@@ -275,6 +266,25 @@ impl Picture {
         let scale = f64::from(side) / f64::from(longer);
         let [width, height] = [light.width, light.height].map(|n| ((f64::from(n) * scale).round() as u32).max(1));
         resized(&light, width, height)
+    }
+}
+
+/// A square window with the picture in its middle.
+impl Area for Picture {
+    fn linear(&self, side: u32) -> LinearImage {
+        let background = [self.gallery.background as f32; 3];
+        let Some(content) = self.chosen().and_then(|picture| picture.content.as_ref()) else {
+            return LinearImage::from_fn(side, side, |_, _| background);
+        };
+        let light = self.sized(self.gallery.show.light(content), side);
+        LinearImage::from_fn(side, side, |x, y| {
+            inside([light.width, light.height], side, x, y).map_or(background, |[x, y]| light.pixel(x, y))
+        })
+    }
+
+    fn profile(&self, size: u32) -> Vec<[f32; 3]> {
+        let image = self.linear(size);
+        (0..size).map(|x| image.pixel(x, size / 2)).collect()
     }
 }
 

@@ -39,10 +39,11 @@ impl RampBands {
     ///
     /// # Errors
     /// As for [`Judge::difference`].
+    ///
+    /// # Panics
+    /// Panics if the line does not have the judge's size.
     pub fn of(judge: &Judge, light: &[f64]) -> Result<RampBands, VisionError> {
-        let (Some(first), Some(last)) = (light.first().copied(), light.last().copied()) else {
-            return Err(VisionError::TooSmall { width: 0, height: 1 });
-        };
+        let (first, last) = (light[0], light[light.len() - 1]);
         if first == last {
             return Ok(RampBands::default());
         }

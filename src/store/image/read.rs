@@ -140,10 +140,8 @@ fn recipe_of(info: &Info<'_>) -> Result<(Recipe, Finish), String> {
         text(info, KEYWORD).ok_or("has no text chunk `machband`; expected an image that machband wrote".to_owned())?;
     let recipe: Recipe = serde_json::from_str(&recipe)
         .map_err(|error| format!("its text chunk `machband` cannot be read: {error}; expected a recipe"))?;
-    recipe.stimulus.validate().map_err(|errors| {
-        let errors: Vec<_> = errors.iter().map(ToString::to_string).collect();
-        errors.join("; ")
-    })?;
+    let joined = |errors: Vec<_>| errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ");
+    recipe.stimulus.validate().map_err(joined)?;
     let finish = match (text(info, PALETTE_KEYWORD), text(info, HALFTONE_KEYWORD)) {
         (Some(palette), _) => Finish::Palette(palette.parse()?),
         (None, Some(halftone)) => Finish::Halftone(halftone.parse()?),
