@@ -14,8 +14,8 @@ use crate::{
 /// Where a shader's pictures of a frame are judged, and the smooth surface if it is known.
 #[derive(Clone, Debug)]
 pub struct Judged {
-    /// The pixels that show the mesh.
-    shown: Vec<bool>,
+    /// The pixels that show the mesh, row by row.
+    pub shown: Vec<bool>,
     truth: Option<Smooth>,
 }
 
@@ -52,11 +52,6 @@ impl Judged {
     /// Prepares to judge pictures of `frame` against the surface that its mesh is known to approximate, if any.
     pub fn known(frame: &Frame) -> Judged {
         Judged::new(frame, Truth::traced(frame).as_ref())
-    }
-
-    /// Returns true for the pixels that show the mesh, row by row.
-    pub fn shown(&self) -> &[bool] {
-        &self.shown
     }
 
     /// Returns the share of the mesh's pixels where pictures are not compared with the smooth surface, 0…1; `None` if

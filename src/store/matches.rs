@@ -22,7 +22,8 @@ const COLUMNS: &str = "event,trial,channel,lit,period,row_px,patch,time_s,seed";
 #[derive(Debug)]
 pub struct MatchFile {
     file: AppendFile,
-    seed: u64,
+    /// The seed of the order.
+    pub seed: u64,
 }
 
 /// Whether a row cancels a match, the match, and the seed of the order.
@@ -52,11 +53,6 @@ impl MatchFile {
         let rows = rows(&path.display().to_string(), file.content())?;
         let seed = rows.last().map_or(0, |(.., seed)| *seed);
         Ok((Self { file, seed }, counted(rows)))
-    }
-
-    /// Returns the seed of the order.
-    pub fn seed(&self) -> u64 {
-        self.seed
     }
 
     /// Records match `number`, counted from 1, made `time_s` seconds after the first picture; or, if it `is_undone`, that it no

@@ -85,7 +85,7 @@ impl Method for ByEye {
         } else {
             (MatchFile::create(path, fresh_seed()).map_err(|error| error.to_string())?, Vec::new())
         };
-        let matching = Matching::new(&self.settings(channels), file.seed(), done)
+        let matching = Matching::new(&self.settings(channels), file.seed, done)
             .map_err(|error| format!("{}: {error}", path.display()))?;
         Ok(MatchRun::new(matching, file))
     }

@@ -141,7 +141,7 @@ pub fn visible(
         };
         let color = |x: u32, y: u32| {
             let pixel = from(x, across).zip(from(y, down)).map(|(x, y)| y * SIDE_PX as usize + x);
-            let shown = pixel.filter(|pixel| judged.shown()[*pixel]);
+            let shown = pixel.filter(|pixel| judged.shown[*pixel]);
             let color = shown.map_or(BESIDE, |pixel| crease::color(times[pixel] / full_scale));
             color.map(|encoded| (encoded * 255.0).round() as u8)
         };
