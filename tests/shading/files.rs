@@ -441,8 +441,8 @@ fn with_seam(gap: f64) -> String {
 fn seams_are_joined_or_told() {
     for (gap, joined, told) in [
         (0.0, true, ""),
-        (1e-7, true, "2 vertices were joined"),
-        (7e-4, true, "2 vertices were joined"),
+        (1e-7, true, "joined vertices within a thousandth of an edge at 2 places"),
+        (7e-4, true, "joined vertices within a thousandth of an edge at 2 places"),
         (0.01, false, "left 2 open edges beside others"),
         (0.2, false, ""),
     ] {
