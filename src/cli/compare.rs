@@ -114,10 +114,8 @@ fn judged(arguments: &Arguments, writer: &Writer, is_folder: bool, bar: &Bar) ->
             let option = if request.steps { "steps" } else { "map" };
             return Err(RequestError::value(option, "is for one picture; expected no folders").into());
         }
-        let (found, left_out) = request.folders(bar)?;
-        left_out.iter().for_each(|what| message("warning", what));
         let of = |(name, found)| Case::of_pair(&request.picture.join(&name), name, found);
-        return found.into_iter().map(of).collect();
+        return request.folders(bar)?.into_iter().map(of).collect();
     }
     if request.steps {
         let found = request.steps(None, bar)?;
@@ -168,14 +166,13 @@ impl Case {
     }
 
     fn of_steps(found: &Steps) -> anyhow::Result<Self> {
-        let (written, times) = (found.bits.min(8), found.rounded.unwrap_or(found.steps));
         let keep = found.bits > 8 && found.steps < 1.0;
         let better = if keep { format!("keep {} bits", found.bits) } else { "write 16 bits".to_owned() };
         let remedy = if found.is_below() && found.is_edges {
             "what is judged is below threshold".to_owned()
         } else if found.is_below() {
-            format!("the steps of {written} bits are below threshold: no dither is needed")
-        } else if found.dithered < times {
+            "the steps are below threshold: no dither is needed".to_owned()
+        } else if found.dithered < found.rounded.unwrap_or(found.steps) {
             format!("{better}, or dither to 8 (--dither-out)")
         } else {
             format!("dither would be more visible than the steps: {better}")

@@ -231,9 +231,10 @@ impl Simulation<'_> {
         // A signal may arrive during the last trial.
         let complete = session.current().is_none();
         let all = || schedule.conditions.iter().map(|condition| &condition.stimulus);
-        if complete && protocol.task.is_default() {
+        if protocol.task.is_default() && (complete || self.hashes.get().is_some()) {
             let hashes = self.hashes.get_or_init(|| self.hash(&all().collect::<Vec<_>>()));
-            store.note_pictures(all().zip(hashes.iter().cloned()));
+            let was_shown = |stimulus: &Stimulus| complete || shown.contains_key(&stimulus.key());
+            store.note_pictures(all().zip(hashes.iter().cloned()).filter(|(stimulus, _)| was_shown(stimulus)));
         } else {
             let shown: Vec<&Stimulus> = shown.values().collect();
             let hashes = self.hash(&shown);

@@ -278,6 +278,15 @@ fn any_name_is_drawn_and_stays_on_the_sheet() {
     );
     let figures = figures::all(&results);
     assert_eq!(figures.len(), 5);
+    // In the dark theme, no figure is a white sheet.
+    for figure in &figures {
+        let dark = figures::palette::on_dark(&figure.svg);
+        assert!(
+            figure.svg.contains("#ffffff") && dark.contains("#2a2a2a") && !dark.contains("#ffffff"),
+            "{}",
+            figure.name
+        );
+    }
     let texts = check(&figures);
     for text in ["x & y", "<z>", "A & B <tag>", "\"quoted\""] {
         assert!(texts.contains(text), "{text} is not in {texts:?}");

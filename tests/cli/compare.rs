@@ -222,6 +222,15 @@ fn pictures_mean_what_they_say() {
     // An option has precedence.
     let (other, _) = pictures.run("compare gray-linear.png gray-srgb.png --window 5 --transfer gamma:3 --json");
     assert!(times(&other) > 3.0, "{other}");
+    // 37 of red are as bright as 11 of green. The model does not see the edge, and says why.
+    let half = |i: usize| if i % 64 < 32 { [100, 100, 50] } else { [137, 89, 50] };
+    for (name, codes) in
+        [("green.png", [100, 100, 50].repeat(64 * 64)), ("half.png", (0..64 * 64).flat_map(half).collect())]
+    {
+        png(&pictures.at(name), [64; 2], png::ColorType::Rgb, &codes, |_| {});
+    }
+    let line = pictures.said("compare half.png green.png --window 2 --transfer linear");
+    assert!(line.starts_with("half.png: 0.00") && line.contains("(luminance only; "), "{line}");
     let rgba: Vec<u8> = (0..64 * 64).map(waves(64, 0)).flat_map(|code| [code, code, code, 255]).collect();
     png(&pictures.at("rgba.png"), [64; 2], png::ColorType::Rgba, &rgba, |_| {});
     pictures.gray("gray.png", [64; 2], waves(64, 0));

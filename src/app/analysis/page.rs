@@ -209,7 +209,7 @@ impl Analysis {
     /// Draws the page while no study is open.
     fn show_start(&mut self, ui: &mut egui::Ui, recent: &[String]) -> bool {
         let ctx = ui.ctx().clone();
-        place_page(ui, |ui| {
+        place_page(ui, "Analyze", |ui| {
             let back = heading(ui, "Analyze");
             if self.reading.is_some() {
                 ui.horizontal(|ui| {

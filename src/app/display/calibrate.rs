@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use eframe::egui::{self, Color32, Context, TextEdit, Ui, ViewportCommand};
+use eframe::egui::{self, Color32, Context, Ui, ViewportCommand};
 
 use super::tool::Tool;
 use crate::{
@@ -115,7 +115,7 @@ pub struct Calibrate<M: Method> {
 impl<M: Method> Calibrate<M> {
     /// Creates the settings page for the screen that `known` describes.
     pub fn new(method: M, known: DisplayProfile, channels: [bool; 2]) -> Self {
-        let path = format!("calibration/{}_{}.csv", file_name(&screen_name(&known)), M::ITEMS);
+        let path = format!("calibration/{}.csv", M::ITEMS);
         let (file, file_error, dialog, error) = Default::default();
         Self { known, method, path, channels, file, file_error, dialog, error, run: None, found: None }
     }
@@ -181,19 +181,18 @@ impl<M: Method> Calibrate<M> {
     fn file_field(&mut self, ui: &mut Ui) -> bool {
         section(ui, format!("Or use {} from a file", M::ITEMS));
         hint(ui, M::FORMAT);
-        let errors = self.file_error.clone();
-        Field::new(&format!("File of {}", M::ITEMS)).column(LABELS).error(&errors).show(ui, |ui, label| {
-            ui.horizontal_wrapped(|ui| {
-                let field = ui.add(TextEdit::singleline(&mut self.file).desired_width(240.0)).labelled_by(label);
-                let entered = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
-                if self.dialog.browse(ui, FileKind::Data, "Choose a file…", &mut self.file) || field.changed() {
-                    self.file_error.clear();
-                }
-                let is_named = !self.file.trim().is_empty();
-                ui.add_enabled(is_named, egui::Button::new("Use this file")).clicked() || entered && is_named
-            })
-            .inner
-        })
+        let (label, browse) = (format!("File of {}", M::ITEMS), (FileKind::Data, "Choose a file…"));
+        let field = Field::new(&label).column(LABELS).error(&self.file_error);
+        let (field, chosen) = field.path(ui, &mut self.file, &mut self.dialog, browse);
+        if chosen || field.changed() {
+            self.file_error.clear();
+        }
+        let entered = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
+        let is_named = !self.file.trim().is_empty();
+        let used = Field::new("")
+            .column(LABELS)
+            .show(ui, |ui, _| ui.add_enabled(is_named, egui::Button::new("Use this file")).clicked());
+        used || entered && is_named
     }
 
     fn start(&mut self, ui: &Ui, run: M::Run) {
@@ -290,9 +289,9 @@ struct ProfileForm {
 
 impl ProfileForm {
     fn new(known: &DisplayProfile, with: String) -> Self {
-        let name = screen_name(known);
+        let name = if known.measured.is_some() { known.name.clone() } else { "My screen".to_owned() };
         let by = known.measured.clone().and_then(|measured| measured.by).unwrap_or_default();
-        let path = format!("calibration/{}.toml", file_name(&name));
+        let path = "calibration/screen.toml".to_owned();
         Self { name, by, with, path, saving: Saving::default() }
     }
 
@@ -339,18 +338,6 @@ fn write(writer: &Writer, path: &Path, profile: &DisplayProfile) -> Result<(), S
         writer.make_folder(folder)?;
     }
     profile::write(writer, path, profile)
-}
-
-/// Returns the name of a measured screen, or a name to begin with.
-fn screen_name(known: &DisplayProfile) -> String {
-    if known.measured.is_some() { known.name.clone() } else { "My screen".to_owned() }
-}
-
-/// Converts the name of a screen to a part of a file name.
-fn file_name(name: &str) -> String {
-    let letter = |c: char| if c.is_alphanumeric() || c == '-' { c } else { '_' };
-    let name: String = name.trim().chars().map(letter).collect();
-    if name.is_empty() { "screen".to_owned() } else { name }
 }
 
 /// Makes the window fill the screen, or not.

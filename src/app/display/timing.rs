@@ -87,46 +87,36 @@ impl TimingReport {
         ]
     }
 
-    /// Returns whether there is one frame per refresh; `None` if there are too few frames to judge.
-    pub fn is_one_by_one(&self) -> Option<bool> {
-        let enough = self.intervals_us().len() >= MIN_ESTIMATE_INTERVALS;
-        let followed = self.refresh.is_some_and(|refresh| refresh.is_followed_by(self.intervals_us()));
-        enough.then_some(followed && self.times.dropped() == Some(0))
-    }
-
-    /// Returns the result in one or two sentences.
-    pub fn verdict(&self) -> String {
-        let count = self.intervals_us().len();
+    /// Returns whether there is one frame per refresh, which is unknown if there are too few frames to judge, and says so in
+    /// one or two sentences.
+    pub fn verdict(&self) -> (Option<bool>, String) {
+        let (count, ms) = (self.intervals_us().len(), |p: f64| self.times.quantile(p).unwrap_or_default() * 1e3);
         if count < MIN_ESTIMATE_INTERVALS {
-            return format!("{count} frames are too few to judge; expected {MIN_ESTIMATE_INTERVALS} or more.");
+            let told = format!("{count} frames are too few to judge; expected {MIN_ESTIMATE_INTERVALS} or more.");
+            return (None, told);
         }
         let Some(refresh) = self.refresh.filter(|refresh| refresh.is_followed_by(self.intervals_us())) else {
-            return self.scatter();
+            let judged = match self.refresh {
+                Some(refresh) => format!("not even the {:.2} Hz that the system reports", refresh.hz()),
+                None => "so no frame can be judged as dropped".to_owned(),
+            };
+            let told = format!(
+                "The frames do not follow a steady refresh, {judged}: 98 % of their intervals are between {:.1} and {:.1} \
+                    ms. Close other programs and measure in full screen.",
+                ms(0.01),
+                ms(0.99)
+            );
+            return (Some(false), told);
         };
         let (hz, dropped) = (refresh.hz(), self.times.dropped().unwrap_or_default());
         let percent = 100.0 * dropped as f64 / count as f64;
-        if dropped == 0 {
-            format!("Every refresh at {hz:.2} Hz showed a new frame: none of {count} was dropped.")
-        } else {
-            format!(
+        let told = match dropped {
+            0 => format!("Every refresh at {hz:.2} Hz showed a new frame: none of {count} was dropped."),
+            _ => format!(
                 "The frames follow the refresh rate of {hz:.2} Hz; dropped frames: {dropped} of {count} ({percent:.1} %). Close other programs."
-            )
-        }
-    }
-
-    /// Says that the frames do not follow a steady refresh, and describes their intervals.
-    fn scatter(&self) -> String {
-        let ms = |p: f64| self.times.quantile(p).unwrap_or_default() * 1e3;
-        let judged = match self.refresh {
-            Some(refresh) => format!("not even the {:.2} Hz that the system reports", refresh.hz()),
-            None => "so no frame can be judged as dropped".to_owned(),
+            ),
         };
-        format!(
-            "The frames do not follow a steady refresh, {judged}: 98 % of their intervals are between {:.1} and {:.1} \
-                ms. Close other programs and measure in full screen.",
-            ms(0.01),
-            ms(0.99)
-        )
+        (Some(dropped == 0), told)
     }
 }
 
@@ -212,8 +202,9 @@ impl TimingTool {
 
     fn show_found(&mut self, ui: &mut egui::Ui) {
         let Some((report, figure)) = &mut self.found else { return };
-        let color = if report.is_one_by_one() == Some(true) { ink(ui).good } else { ink(ui).warn };
-        paragraph(ui, RichText::new(report.verdict()).strong().color(color));
+        let (is_one_by_one, told) = report.verdict();
+        let color = if is_one_by_one == Some(true) { ink(ui).good } else { ink(ui).warn };
+        paragraph(ui, RichText::new(told).strong().color(color));
         ui.add_space(4.0);
         egui::Grid::new("timing").num_columns(2).spacing([24.0, 4.0]).show(ui, |ui| {
             for (name, value) in report.rows() {

@@ -30,21 +30,22 @@ pub const PARTS: [(&str, Part); 10] = [
     ("Task", task::show),
     ("Stimulus", stimulus),
     ("Factors", factors),
-    ("Trials", design),
+    ("Trials", |form, ui| task::options(form, ui, "design", Design::OPTIONS, &Design::default())),
     ("Timing", timing),
-    ("Viewing", viewing),
+    ("Viewing", |form, ui| task::options(form, ui, "viewing", ViewingPlan::OPTIONS, &ViewingPlan::default())),
     ("Participant", participant),
-    ("Session", session),
+    ("Session and plan", session),
     ("Texts", texts),
 ];
 
 /// Draws all fields, and scrolls to a part.
 pub fn show(form: &mut DefinitionForm, ui: &mut Ui, wanted: Option<usize>) {
-    for (i, (_, part)) in PARTS.iter().enumerate() {
+    for (i, (name, part)) in PARTS.iter().enumerate() {
         if wanted == Some(i) {
             let top = ui.cursor().min;
             ui.scroll_to_rect(Rect::from_min_size(top, Vec2::ZERO), Some(Align::TOP));
         }
+        ui::section(ui, *name);
         part(form, ui);
     }
 }
@@ -55,7 +56,6 @@ fn study(form: &mut DefinitionForm, ui: &mut Ui) {
 }
 
 fn stimulus(form: &mut DefinitionForm, ui: &mut Ui) {
-    ui::section(ui, "Stimulus");
     let title = |kind: &str| match catalog::entry(kind) {
         Some(entry) => entry.title.to_owned(),
         None if kind == Picture::KIND => "Pictures of your own".to_owned(),
@@ -74,7 +74,7 @@ fn stimulus(form: &mut DefinitionForm, ui: &mut Ui) {
         ui::hint(ui, entry.about);
     }
     ui::text::errors(ui, &form.own_error("stimulus"));
-    let factors = form.draft().factors();
+    let factors = form.draft.factors();
     let adapted = ["adaptive.parameter", "adaptive.second.parameter"].map(|key| form.value(key, ""));
     for parameter in default.parameters() {
         let varied_by = [("Factors", &factors[..]), ("Method", &adapted)];
@@ -100,12 +100,12 @@ fn pictures(form: &mut DefinitionForm, ui: &mut Ui) {
     Field::new("").column(LABELS).show(ui, |ui, _| {
         let mut folder = String::new();
         if form.pictures.browse(ui, FileKind::Folder, "Choose a folder of pictures…", &mut folder) {
-            let beside = Path::new(&folder).strip_prefix(&form.draft().folder).unwrap_or(Path::new(&folder));
+            let beside = Path::new(&folder).strip_prefix(&form.draft.folder).unwrap_or(Path::new(&folder));
             form.type_value("stimulus.files", &beside.join("*.png").display().to_string(), Typed::Text);
         }
     });
-    let is_wrong = form.errors().iter().any(|error| error.key.starts_with("stimulus"));
-    let protocol = form.protocol().filter(|_| !is_wrong);
+    let is_wrong = form.errors.iter().any(|error| error.key.starts_with("stimulus"));
+    let protocol = form.protocol.as_ref().filter(|_| !is_wrong);
     if let Some(Stimulus::Image(picture)) = protocol.map(|protocol| &protocol.stimulus) {
         let (count, factors) = (picture.gallery.pictures.len(), &picture.gallery.factors);
         let levels = if factors.is_empty() { "they have no other levels".to_owned() } else { factors.join(", ") };
@@ -134,10 +134,9 @@ fn pictures(form: &mut DefinitionForm, ui: &mut Ui) {
 
 fn factors(form: &mut DefinitionForm, ui: &mut Ui) {
     let has_pictures = form.value("stimulus.kind", "") == Picture::KIND;
-    if has_pictures && form.draft().factors().is_empty() {
-        return;
+    if has_pictures && form.draft.factors().is_empty() {
+        return ui::hint(ui, "The table pictures.csv gives pictures the levels of factors.");
     }
-    ui::section(ui, "Factors");
     ui::hint(ui, "Every combination of their levels is a condition. Separate levels with commas: 0.02, 0.05, 0.1");
     ui::text::errors(ui, &form.own_error("factors"));
     if let Some(name) = form.rows(ui, "factors", ["Levels of ", ""], Typed::Values) {
@@ -152,29 +151,17 @@ fn factors(form: &mut DefinitionForm, ui: &mut Ui) {
     }
 }
 
-fn design(form: &mut DefinitionForm, ui: &mut Ui) {
-    ui::section(ui, "Trials");
-    task::options(form, ui, "design", Design::OPTIONS, &Design::default());
-}
-
 fn timing(form: &mut DefinitionForm, ui: &mut Ui) {
-    ui::section(ui, "Timing");
     task::options(form, ui, "recovery", Recovery::OPTIONS, &Recovery::default());
     let about = "Duration of each stimulus. The uniform field follows until it is rated.";
     form.optional(ui, "Stimulus, s", ["presentation.duration_s", "presentation"], "until it is rated", about);
 }
 
-fn viewing(form: &mut DefinitionForm, ui: &mut Ui) {
-    ui::section(ui, "Viewing");
-    task::options(form, ui, "viewing", ViewingPlan::OPTIONS, &ViewingPlan::default());
-}
-
 /// What a session asks about the participant.
 fn participant(form: &mut DefinitionForm, ui: &mut Ui) {
-    ui::section(ui, "Participant");
     ui::hint(ui, "What a session asks before its first page. Answers to choose from are separated by commas.");
     ui::text::errors(ui, &form.own_error("participant"));
-    let names = form.draft().keys("participant");
+    let names = form.draft.keys("participant");
     for place in 0..names.len() {
         question(form, ui, &names, place);
     }
@@ -203,7 +190,7 @@ fn question(form: &mut DefinitionForm, ui: &mut Ui, names: &[String], place: usi
     let is_known = |name: &str| ParticipantFields::known_names().any(|known| known == name);
     let own = !is_known(name);
     let shown = if own { format!("Question {}", place + 1) } else { capitalized(name) };
-    let draft = form.draft();
+    let draft = &form.draft;
     let spec =
         FieldSpec { choices: draft.texts(&format!("{key}.choices")).unwrap_or_default(), ..FieldSpec::default() };
     let asked = ParticipantField { name: name.clone(), spec };
@@ -290,13 +277,11 @@ fn line(form: &mut DefinitionForm, ui: &mut Ui, name: &str, key: &str, typed: Ty
 }
 
 fn session(form: &mut DefinitionForm, ui: &mut Ui) {
-    ui::section(ui, "Session and plan");
     task::options(form, ui, "plan", Plan::OPTIONS, &Plan::default());
     task::options(form, ui, "session", SessionRules::OPTIONS, &SessionRules::default());
 }
 
 fn texts(form: &mut DefinitionForm, ui: &mut Ui) {
-    ui.add_space(6.0);
     ui::folded(ui, CollapsingHeader::new("What participants read"), |ui| {
         ui::hint(ui, "In the participants' language. The program fills in the words in braces.");
         for [name, about, default] in Texts::ALL {

@@ -31,18 +31,17 @@ const AT_EACH_LEVEL: usize = 10;
 
 /// Draws the fields.
 pub fn show(form: &mut DefinitionForm, ui: &mut Ui) {
-    ui::section(ui, "Task");
     let kind = form.value("task.kind", Task::default().name());
     cards(form, ui, &kind);
     let error = [form.own_error("task"), form.error("task.kind")].join("\n");
     ui::text::errors(ui, error.trim());
     let Some(default) = Task::read(&kind, &mut Defaults) else { return };
     options(form, ui, "task", Task::options(&kind), &default);
-    if !form.draft().keys("task").is_empty() && form.draft().get("task.kind").is_none() {
+    if !form.draft.keys("task").is_empty() && form.draft.get("task.kind").is_none() {
         form.edit(|draft| draft.set("task.kind", &kind, Typed::Text));
     }
     // The options decide the usual question and answers, and whether levels can be chosen.
-    let task = form.protocol().map(|protocol| protocol.task.clone()).filter(|task| task.name() == kind);
+    let task = form.protocol.as_ref().map(|protocol| protocol.task.clone()).filter(|task| task.name() == kind);
     let task = task.unwrap_or(default);
     if task.adapts() {
         method(form, ui);
@@ -122,14 +121,14 @@ fn method(form: &mut DefinitionForm, ui: &mut Ui) {
         NONE => "The factors alone".to_owned(),
         name => capitalized(&parameter::method(name)),
     };
-    let default = |form: &DefinitionForm| match form.draft().keys("adaptive").as_slice() {
+    let default = |form: &DefinitionForm| match form.draft.keys("adaptive").as_slice() {
         [] => NONE,
         _ => Method::default().name(),
     };
     let field = ["Levels chosen by", "adaptive.method", default(form), "How the level of each trial is found."];
     if let Some(chosen) = form.choice(ui, field, [NONE].into_iter().chain(Method::NAMES.iter().copied()), title) {
         let method = (chosen != NONE).then_some(chosen.as_str());
-        let found = varied(form).filter(|_| form.draft().get("adaptive.parameter").is_none());
+        let found = varied(form).filter(|_| form.draft.get("adaptive.parameter").is_none());
         form.rebuild(|draft| {
             draft.set_method(method);
             if let (Some(method), Some((parameter, levels))) = (method, found) {
@@ -194,7 +193,7 @@ pub fn options(form: &mut DefinitionForm, ui: &mut Ui, table: &str, options: &[T
     for (i, option) in options.iter().enumerate() {
         let opens = opened(option).is_some_and(|inner| options[..i].iter().all(|before| opened(before) != Some(inner)));
         if let Some(inner) = opened(option).filter(|_| !opens)
-            && form.draft().keys(&format!("{table}.{inner}")).is_empty()
+            && form.draft.keys(&format!("{table}.{inner}")).is_empty()
         {
             continue;
         }
@@ -234,7 +233,7 @@ fn control(
         }
         OptionValue::OneOf(_) | OptionValue::Parameter(_) | OptionValue::Factor | OptionValue::Order => {
             let none = matches!(value, OptionValue::Parameter(true) | OptionValue::Factor).then_some(NONE);
-            let (parameters, factors) = (form.parameters(), form.draft().factors());
+            let (parameters, factors) = (form.parameters(), form.draft.factors());
             let of_factor = |factor: &String| ["blocked", "latin"].map(|kind| format!("{kind}:{factor}"));
             let orders: Vec<String> = factors.iter().flat_map(of_factor).collect();
             let names: Vec<&str> = match value {
@@ -264,7 +263,7 @@ fn control(
 fn settings(form: &mut DefinitionForm, ui: &mut Ui, option: &TaskOption, key: &str) {
     let prefix = format!("{} ", option.label);
     let removed = form.rows(ui, key, [&prefix, &prefix], Typed::Value);
-    let names = form.draft().keys(key);
+    let names = form.draft.keys(key);
     if let Some(name) = removed {
         let gone = if names.len() == 1 { key.to_owned() } else { format!("{key}.{name}") };
         form.rebuild(|draft| draft.remove(&gone));
@@ -282,7 +281,7 @@ fn settings(form: &mut DefinitionForm, ui: &mut Ui, option: &TaskOption, key: &s
         let name = parameter.name;
         let default = Stimulus::default_of(&form.value("stimulus.kind", "")).and_then(|default| default.get(name));
         let now = form.value(&format!("stimulus.{name}"), &default.map_or(String::new(), |value| value.to_string()));
-        let levels = form.draft().texts(&format!("factors.{name}")).unwrap_or_default();
+        let levels = form.draft.texts(&format!("factors.{name}")).unwrap_or_default();
         // A value that differs from those of the target.
         let differs = |level: &&&str| **level != now && !levels.iter().any(|own| own == **level);
         let value = parameter.levels_hint.iter().rev().find(differs).map_or(now.as_str(), |level| level);
@@ -302,8 +301,8 @@ fn answers(form: &mut DefinitionForm, ui: &mut Ui, task: &Task) {
     form.text(ui, "Question", "response.question", &scale.question, "Shown next to the scale.");
     // A definition without labels or keys uses the defaults.
     let labels = || scale.categories.iter().map(|category| category.label.clone()).collect();
-    let mut labels = form.draft().texts("response.labels").filter(|own| !own.is_empty()).unwrap_or_else(labels);
-    let mut keys = form.draft().texts("response.keys").unwrap_or_default();
+    let mut labels = form.draft.texts("response.labels").filter(|own| !own.is_empty()).unwrap_or_else(labels);
+    let mut keys = form.draft.texts("response.keys").unwrap_or_default();
     let has_keys = task.dial().is_none();
     keys.truncate(labels.len());
     let default = |answer| scale.default_key(answer, labels.len()).map(String::from).unwrap_or_default();

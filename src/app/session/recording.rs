@@ -4,7 +4,7 @@
 use std::{
     collections::BTreeMap,
     sync::mpsc::{Receiver, Sender, channel},
-    time::{Duration, SystemTime, UNIX_EPOCH},
+    time::Duration,
 };
 
 use jiff::Timestamp;
@@ -194,8 +194,7 @@ fn offset(elapsed_s: f64, first: Option<&TrialRecord>) -> Duration {
 
 /// Returns a seed that differs from session to session.
 pub fn fresh_seed() -> u64 {
-    let nanoseconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_nanos() as u64);
-    session_seed(nanoseconds ^ (u64::from(std::process::id()) << 32))
+    session_seed(now().as_nanosecond() as u64 ^ (u64::from(std::process::id()) << 32))
 }
 
 /// The refresh of the screen, updated if the window moves to another screen.

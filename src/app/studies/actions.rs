@@ -168,14 +168,14 @@ impl Studies {
         if let Some(adaptive) = &protocol.adaptive {
             shown.push(("trials", "Trials", adaptive.common.trials.to_string(), ""));
         }
-        let given = [("experiment", self.experiment_name())];
+        let given = [("experiment", self.form.experiment.clone())];
         RequestForm::new(["Plan", "Simulate"], about.to_owned(), &shown, &given, Job::plan)
     }
 
     /// Returns the dialog that simulates a pilot.
     fn pilot(&self, protocol: &Protocol) -> RequestForm {
         // Simulated sessions never lie among those of people.
-        let free = free(|number| self.results().with_file_name(format!("{}-pilot-{number}", protocol.name)));
+        let free = free(|number| self.form.results().with_file_name(format!("{}-pilot-{number}", protocol.name)));
         // The findings of the paper are about ratings.
         let observer = if protocol.task.is_default() { "paper" } else { "vision" };
         let participants = protocol.plan.participants.unwrap_or(PARTICIPANTS).to_string();
@@ -186,15 +186,11 @@ impl Studies {
         );
         let shown =
             [("participants", "Participants", participants, ""), ("observer", "Observer", observer.to_owned(), "")];
-        let given = [("experiment", self.experiment_name()), ("results", free.display().to_string())];
+        let given = [("experiment", self.form.experiment.clone()), ("results", free.display().to_string())];
         let protocol = protocol.clone();
         RequestForm::new(["Simulate a pilot", "Simulate"], about, &shown, &given, move |ctx, request| {
             Job::pilot(ctx, request, protocol.clone())
         })
-    }
-
-    fn experiment_name(&self) -> String {
-        self.form.experiment.trim().to_owned()
     }
 
     /// Opens the dialog of a session.

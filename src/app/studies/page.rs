@@ -113,15 +113,10 @@ impl Studies {
         self.checked.as_ref().map(|(.., checked)| &**checked)
     }
 
-    /// Returns the results folder.
-    pub fn results(&self) -> PathBuf {
-        self.form.results()
-    }
-
     /// Returns the folder of the chosen study.
     pub fn folder(&self) -> PathBuf {
         let name = self.checked().and_then(|checked| checked.protocol.as_ref()).map(|protocol| &protocol.name);
-        name.map_or_else(|| self.results(), |name| self.results().join(name))
+        name.map_or_else(|| self.form.results(), |name| self.form.results().join(name))
     }
 
     /// Updates the page when the user returns to it. After a session that is complete, or in which nothing was rated,
@@ -152,7 +147,7 @@ impl Studies {
         let checked = self.check(monitor);
         self.remember(settings, monitor, &checked);
         self.list.update(ui.ctx(), &settings.recent.experiments);
-        let results = self.results();
+        let results = self.form.results();
         self.sessions.update(ui, &results);
         let mut next = self.take_made(ui.ctx());
         let wide = usize::from(ui.ctx().content_rect().width() < WIDE);
@@ -167,7 +162,8 @@ impl Studies {
             ScrollArea::vertical().id_salt("page").auto_shrink(false).show(ui, |ui| {
                 ui.set_max_width(ui.available_width().min(theme::CONTENT));
                 next = self.title(ui, &mut now).or(next.take());
-                let size = egui::vec2(ui.available_width(), (height - ui.min_rect().height()).max(LEAST));
+                let below = height - (ui.cursor().top() - ui.max_rect().top());
+                let size = egui::vec2(ui.available_width(), below.max(LEAST));
                 let place = UiBuilder::new().max_rect(Rect::from_min_size(ui.cursor().min, size));
                 let place = ui.scope_builder(place, |ui| self.place(ui, CARDS[wide], &mut now));
                 next = place.inner.or(next.take());
@@ -228,8 +224,7 @@ impl Studies {
         let checked = now.checked.clone();
         let Some(protocol) = &checked.protocol else {
             ui.add_space(LARGE_GAP);
-            let error = checked.error(form::EXPERIMENT);
-            error.lines().for_each(|line| ui::show_error(ui, line));
+            ui::text::errors(ui, checked.error(form::EXPERIMENT));
             return None;
         };
         ui.add_space(LARGE_GAP);
@@ -284,15 +279,11 @@ impl Studies {
                 }
             },
             Open::Planned(planned) => {
-                let (done, closed) = ui::modal(ctx, "planned", 680.0, |ui, height| {
+                let is_open = ui::notice(ctx, "planned", theme::COLUMN, |ui| {
                     ui.heading("Plan");
-                    ScrollArea::vertical().max_height(height - 120.0).show(ui, |ui| {
-                        planned.iter().for_each(|sentence| ui::paragraph(ui, sentence));
-                    });
-                    ui.add_space(GAP);
-                    ui.button("Close").clicked()
+                    planned.iter().for_each(|sentence| ui::paragraph(ui, sentence));
                 });
-                (!done && !closed).then_some(Open::Planned(planned))
+                is_open.then_some(Open::Planned(planned))
             }
             Open::Removal(session) => {
                 let title = Cell::of(&session.identity).title();

@@ -13,7 +13,7 @@ use super::{
     work::Latest,
 };
 use crate::report::{
-    figures::{Figure, Plotted},
+    figures::{Figure, Plotted, palette},
     png,
 };
 
@@ -28,9 +28,9 @@ const MAX_WIDTH: f32 = 720.0;
 pub struct FigureView {
     figure: Figure,
     /// By the width in pixels, and whether the theme is dark.
-    drawn: Latest<u32, Arc<ColorImage>>,
+    drawn: Latest<(u32, bool), Arc<ColorImage>>,
     /// The last image and its requested width in pixels; the image of the previous analysis until the new one is drawn.
-    shown: Option<(Option<u32>, TextureHandle)>,
+    shown: Option<(Option<(u32, bool)>, TextureHandle)>,
     /// The path to save it to, and the outcome.
     saving: (String, Saving),
 }
@@ -106,10 +106,14 @@ impl FigureView {
 
     fn draw(&mut self, ui: &mut egui::Ui, rect: Rect) {
         let px = (rect.width() * ui.ctx().pixels_per_point()).floor().max(1.0) as u32;
-        let (figure, key) = (&self.figure, px);
+        let dark = ui.visuals().dark_mode;
+        let (figure, key) = (&self.figure, (px, dark));
         self.drawn.want(ui.ctx(), key, || {
-            let figure = figure.clone();
+            let mut figure = figure.clone();
             move || {
+                if dark {
+                    figure.svg = palette::on_dark(&figure.svg);
+                }
                 let pixels = figure.pixels(px).map_err(|error| error.to_string())?;
                 let size = [pixels.width as usize, pixels.height as usize];
                 Ok(Arc::new(ColorImage::from_rgb(size, &pixels.rgb)))

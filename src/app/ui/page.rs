@@ -9,7 +9,7 @@ use eframe::egui::{
 
 use super::{
     text::secondary,
-    theme::{BIG_CONTROL, COLUMN, GAP, Icon, LARGE_GAP, MARGIN, compact, focus_ring, ink, ink_of},
+    theme::{BIG_CONTROL, COLUMN, CONTROL, GAP, Icon, LARGE_GAP, MARGIN, compact, focus_ring, ink, ink_of},
 };
 
 /// Where a page leads after a frame. A page that can only lead back says instead whether the user left it.
@@ -68,7 +68,7 @@ fn centered<R>(ui: &mut Ui, whole: f32, add: impl FnOnce(&mut Ui) -> R) -> R {
 
 /// Draws a page that begins at this share of the window's height.
 pub fn page_from<R>(ui: &mut Ui, top: f32, add: impl FnOnce(&mut Ui) -> R) -> R {
-    scrolled(ui, |ui, whole| {
+    scrolled(ui, "", |ui, whole| {
         // A small window has no room for the space at the top.
         let spare = ui.available_height() - 560.0;
         ui.add_space((ui.available_height() * top).min(spare.max(0.0)));
@@ -76,18 +76,18 @@ pub fn page_from<R>(ui: &mut Ui, top: f32, add: impl FnOnce(&mut Ui) -> R) -> R 
     })
 }
 
-/// Draws the page of a place, whose column is beside the side bar.
-pub fn place_page<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
-    scrolled(ui, |ui, _| {
+/// Draws the page of a place with this name, whose column is beside the side bar.
+pub fn place_page<R>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui) -> R) -> R {
+    scrolled(ui, name, |ui, _| {
         ui.set_width(ui.available_width().min(COLUMN));
         add(ui)
     })
 }
 
-fn scrolled<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui, f32) -> R) -> R {
+fn scrolled<R>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui, f32) -> R) -> R {
     let scrolling = |ui: &mut Ui| {
-        let width = ui.available_width();
-        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| paged(ui, |ui| add(ui, width))).inner
+        let (width, area) = (ui.available_width(), ScrollArea::vertical().id_salt(name).auto_shrink(false));
+        area.show(ui, |ui| paged(ui, |ui| add(ui, width))).inner
     };
     CentralPanel::default().frame(Frame::NONE.inner_margin(MARGIN)).show(ui, scrolling).inner
 }
@@ -108,7 +108,7 @@ pub fn paged<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
 /// button or with Escape.
 pub fn tool_page(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) -> bool {
     let escaped = escaped(ui);
-    place_page(ui, |ui| {
+    place_page(ui, name, |ui| {
         let back = heading(ui, name);
         ui.add_space(8.0);
         add(ui);
@@ -140,7 +140,7 @@ impl<T> Bench<T> {
         let frame = Frame::NONE.inner_margin(LARGE_GAP);
         let mut back = false;
         let mut column = |ui: &mut Ui, page: &mut T| {
-            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            ScrollArea::vertical().id_salt(name).auto_shrink(false).show(ui, |ui| {
                 // Leaves room for the scroll bar.
                 ui.set_max_width(ui.available_width() - 6.0);
                 back = heading(ui, name);
@@ -313,6 +313,16 @@ pub fn modal<R>(ctx: &Context, id: &str, width: f32, add: impl FnOnce(&mut Ui, f
     });
     let closed = shown.should_close();
     (shown.inner, closed)
+}
+
+/// Draws a dialog with a Close button, above which its content scrolls; returns whether it stays open.
+pub fn notice(ctx: &Context, id: &str, width: f32, add: impl FnOnce(&mut Ui)) -> bool {
+    let (clicked, closed) = modal(ctx, id, width, |ui, height| {
+        ScrollArea::vertical().max_height(height - CONTROL - 2.0 * GAP).show(ui, |ui| paged(ui, add));
+        ui.add_space(GAP);
+        ui.button("Close").clicked()
+    });
+    !(clicked || closed)
 }
 
 /// Asks before something is lost. `keep` and `leave` are the answers; returns whether to leave, once answered.

@@ -18,7 +18,7 @@ use crate::{
         counts::Factor,
         summary::{Group, by_levels, by_levels_as, means_by_subject},
     },
-    report::names,
+    report::{document::count, names},
     statistics::Interval,
 };
 
@@ -115,7 +115,7 @@ fn chart(
         title += &format!(" and {by_name}");
         caption = format!("one {thing} for each level of {by_name}{some}; ");
     }
-    let caption = labels::sentence(&format!("{caption}{source}"));
+    let caption = names::capitalized(&format!("{caption}{source}."));
     let heading = by.map(|by| names::heading(results, &by.name)).unwrap_or_default();
     let series: Vec<(Series, &str)> = lines.iter().map(|line| (line.series, line.name.as_str())).collect();
     let values = Values::ratings(&results.measured.counts);
@@ -181,7 +181,7 @@ pub(super) fn participants(results: &Results) -> Option<Figure> {
     let title = format!("{WHAT} of every participant by {name}");
     let some = labels::some_of(shown.len(), results.people());
     let caption =
-        format!("Each gray line is one participant{some}, and the thick line is the mean over participants; {sample}.");
+        format!("Each gray line is one participant{some}, and markers are means over participants; {sample}.");
     let (values, levels) = (Values::ratings(counts), Levels::of(by));
     let panel = values.panel(values.margin(), WIDTH - EDGE, EDGE, PANEL);
     let people = shown.len() as f64;
@@ -218,11 +218,11 @@ pub(super) fn effects(results: &Results) -> Option<Figure> {
     let estimates = shown.iter().map(|own| Some((own.estimate, own.interval))).collect();
     let names = shown.iter().map(|own| names::coefficient(results, &own.parts)).collect::<Vec<_>>();
     let caption = format!(
-        "Coefficients of the cumulative-link {}model, with 95\u{a0}% intervals{}. Positive values mean higher ratings than at the \
-         factor’s baseline, the level without a coefficient, or with a larger number; {}.",
+        "Coefficients of the cumulative-link {}model{}; bars are 95\u{a0}% intervals, where there are any. Positive values mean \
+         higher ratings than at the factor’s baseline, the level without a coefficient, or with a larger number; {}.",
         if model.random.is_some() { "mixed " } else { "" },
         labels::some_of(shown.len(), model.coefficients.len()),
-        labels::fitted(model)
+        count(model.nobs, "rating")
     );
     let title = format!("Effects in the {} model", model.link);
     tasks::estimates("effects", &names, &[(String::new(), estimates)], (&title, "Shift of the ratings", caption))

@@ -31,6 +31,54 @@ pub const ON_WHITE: [Rgb; 7] = [BLACK, BLUE, VERMILION, GREEN, PURPLE, ORANGE, S
 /// Colors of series on a dark background.
 pub const ON_DARK: [Rgb; 7] = [ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILION, PURPLE];
 
+/// Returns a drawing on white as a drawing on a dark background. Series get the colors that are as easily told apart
+/// there; the lightness of every other color is reversed, so that a scale still goes from what is close to the background
+/// to what is far from it.
+pub fn on_dark(svg: &str) -> String {
+    const CARD: Rgb = Rgb(0x2a, 0x2a, 0x2a);
+    const TEXT: Rgb = Rgb(0xe6, 0xe6, 0xe6);
+    const SERIES: [(Rgb, Rgb); 8] = [
+        (WHITE, CARD),
+        (BLACK, TEXT),
+        (BLUE, SKY),
+        (VERMILION, ORANGE),
+        (GREEN, Rgb(0x35, 0xb5, 0x8a)),
+        (PURPLE, Rgb(0xd5, 0x9b, 0xc0)),
+        (ORANGE, YELLOW),
+        (SKY, Rgb(0xb8, 0xb8, 0xb8)),
+    ];
+    let mut drawn = String::with_capacity(svg.len());
+    let mut rest = svg;
+    while let Some(place) = rest.find('#') {
+        drawn.push_str(&rest[..place]);
+        rest = &rest[place..];
+        let digits = rest.get(1..7).filter(|digits| digits.bytes().all(|digit| digit.is_ascii_hexdigit()));
+        let Some(code) = digits.and_then(|digits| u32::from_str_radix(digits, 16).ok()) else {
+            drawn.push('#');
+            rest = &rest[1..];
+            continue;
+        };
+        let [_, r, g, b] = code.to_be_bytes();
+        let color = Rgb(r, g, b);
+        let known = SERIES.iter().find(|(on_white, _)| *on_white == color).map(|(_, dark)| *dark);
+        drawn.push_str(&known.unwrap_or_else(|| color.reversed(CARD)).to_string());
+        rest = &rest[7..];
+    }
+    drawn + rest
+}
+
+impl Rgb {
+    /// Returns the color of the same hue whose lightness is as far from that of `ground` as it was from white.
+    fn reversed(self, Rgb(ground, ..): Rgb) -> Self {
+        let Self(r, g, b) = self;
+        let (least, most) = (r.min(g).min(b), r.max(g).max(b));
+        // Reversing the lightness exchanges the largest and the smallest channel.
+        let turned = |channel: u8| f64::from(255 - (u16::from(least) + u16::from(most) - u16::from(channel)) as u8);
+        let onto = |channel: f64| (f64::from(ground) + channel * (255.0 - f64::from(ground)) / 255.0).round() as u8;
+        Self(onto(turned(r)), onto(turned(g)), onto(turned(b)))
+    }
+}
+
 /// Maximum number of series that can be distinguished in one chart.
 pub const MAX_SERIES: usize = 12;
 

@@ -161,12 +161,14 @@ fn direction(results: &TaskResults, dial: &Dial) -> Option<String> {
 
 /// Returns the sections for which there are data.
 pub(super) fn sections(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> Vec<Section> {
-    let answered = (!results.shares.is_empty()).then(|| shares(study, results));
-    let detected = (!results.detection.is_empty()).then(|| detection(study, results));
-    let compared = results.comparisons.as_ref().map(|found| comparisons(study, found, figures));
-    let set = study.asked.dial.as_ref().filter(|_| !results.settings.is_empty());
-    let set = set.map(|dial| settings(study, results, dial));
-    answered.into_iter().chain(detected).chain(compared).chain(set).collect()
+    let dial = study.asked.dial.as_ref().filter(|_| !results.settings.is_empty());
+    let all = [
+        (!results.shares.is_empty()).then(|| shares(study, results)),
+        (!results.detection.is_empty()).then(|| detection(study, results)),
+        results.comparisons.as_ref().map(|found| comparisons(study, found, figures)),
+        dial.map(|dial| settings(study, results, dial)),
+    ];
+    all.into_iter().flatten().collect()
 }
 
 /// Begins a table of the participants and the conditions.
@@ -276,7 +278,6 @@ fn settings(study: &TaskStudy, results: &TaskResults, dial: &Dial) -> Section {
         section
             .note("Means are geometric; the standard deviation and the effect of the start are in base-10 logarithms.");
     }
-    let all = count(study.trials.len() as u64, if is_rating { "rating" } else { "setting" });
-    section.note(format!("There are {all}. Each participant counts once in the means over participants."));
+    section.note("Each participant counts once in the means over participants.");
     section
 }
