@@ -149,15 +149,14 @@ impl Shade {
         let viewing = encoded.viewing(one.window_deg, &self.luminances);
         let drawing = Drawing::new(one, found, self.image.size, &mut notes)?;
         let mut description = one.describe(&drawing.scene, self.image.size);
-        let transfers = encoded.transfers;
         let picture = wanted.picture.then(|| {
             let image = drawing.image();
             notes.extend(clipped(&image));
-            Quantizer::new(&transfers, self.image.bits).quantize_with(&image, &self.image.dither())
+            Quantizer::new(&encoded.transfers, self.image.bits).quantize_with(&image, &self.image.dither())
         });
         let metrics = wanted.metrics.then(|| drawing.metrics(viewing, description.clone(), &mut notes)).transpose()?;
         append(&mut description, json!({ "dither": self.image.dither, "seed": self.image.seed }));
-        Ok(Shaded { picture, metrics, transfers, description, notes })
+        Ok(Shaded { picture, metrics, transfers: encoded.transfers, description, notes })
     }
 
     /// Draws a scene of several meshes.
@@ -167,11 +166,10 @@ impl Shade {
             non_manifold(&format_args!("{}, mesh {}", scene.display(), i + 1), &body.surface)
         };
         notes.extend(composition.bodies.iter().enumerate().filter_map(of_body));
-        let (size, bits) = (self.image.size, self.image.bits);
-        let image = composition.image(size, size);
+        let image = composition.image(self.image.size, self.image.size);
         notes.extend(clipped(&image));
-        let picture = Quantizer::new(&transfers, bits).quantize_with(&image, &self.image.dither());
-        let description = json!({ "scene": scene.display().to_string(), "size": size, "toml": text });
+        let picture = Quantizer::new(&transfers, self.image.bits).quantize_with(&image, &self.image.dither());
+        let description = json!({ "scene": scene.display().to_string(), "size": self.image.size, "toml": text });
         Ok(Shaded { picture: Some(picture), metrics: None, transfers, description, notes })
     }
 }

@@ -86,15 +86,7 @@ fn read(folder: Option<&Path>, content: &[u8], is_flat: bool) -> Result<Faces, S
         };
         source.buffers.push(bytes);
     }
-    let mut reader = Reader {
-        source,
-        faces: Faces::default(),
-        coats: HashMap::new(),
-        textures: HashMap::new(),
-        texels: MAX_TEXELS,
-        triangles: 0,
-        notes: BTreeSet::new(),
-    };
+    let mut reader = Reader { source, texels: MAX_TEXELS, ..Reader::default() };
     reader.faces.is_flat = is_flat;
     reader.document(&document)?;
     let Reader { mut faces, notes, .. } = reader;
@@ -157,6 +149,7 @@ fn check(json: &json::Root) -> Result<(), String> {
 }
 
 /// The bytes that a file refers to.
+#[derive(Default)]
 struct Source<'a> {
     folder: Option<&'a Path>,
     buffers: Vec<Vec<u8>>,
@@ -248,6 +241,7 @@ fn triangles(mode: Mode, corners: &[usize]) -> Vec<[usize; 3]> {
     }
 }
 
+#[derive(Default)]
 struct Reader<'a> {
     source: Source<'a>,
     faces: Faces,

@@ -180,12 +180,9 @@ impl Reader {
         faces.notes.extend(self.notes.into_iter().map(str::to_owned));
         // Some programs write the codes of 8 bits.
         let most = self.colors.iter().map(|color| color.max_element()).fold(0.0, f64::max);
-        let scale = if most > 1.0 {
-            faces.notes.push("colors above 1 are taken as codes of 8 bits".to_owned());
-            1.0 / 255.0
-        } else {
-            1.0
-        };
+        let codes = (most > 1.0).then(|| "colors above 1 are taken as codes of 8 bits".to_owned());
+        let scale = if codes.is_some() { 1.0 / 255.0 } else { 1.0 };
+        faces.notes.extend(codes);
         let coat = (!self.colors.is_empty()).then_some(0);
         let mut start = 0;
         for end in self.ends {
