@@ -7,7 +7,7 @@
 use std::{fmt::Debug, path::PathBuf, sync::LazyLock};
 
 use machband::{
-    experiment::{Column, Identity, RatingRow, Schedule, columns},
+    experiment::{Column, Identity, OrderedLogit, RatingRow, Schedule, VisionRater, columns},
     store::{
         FileErrors, StoreError, definition, image, mesh, observer, profile,
         ratings::{self, ReadOptions},
@@ -121,8 +121,8 @@ pub fn png(content: &[u8]) {
 /// Parameters of an observer, of both kinds.
 pub fn observer(content: &[u8]) {
     let Some(text) = text(content) else { return };
-    checked(observer::parse("fuzz.toml", text));
-    checked(observer::parse_vision("fuzz.toml", text));
+    checked(observer::parse::<OrderedLogit>("fuzz.toml", text));
+    checked(observer::parse::<VisionRater>("fuzz.toml", text));
 }
 
 /// Invalid UTF-8 never reaches the readers of text.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 from collections.abc import Iterable, Mapping
@@ -15,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _machband
-from ._common import Table, flag, in_python, named, nearest, number, plotted, suggests, table
+from ._common import Table, axes, flag, in_python, named, nearest, number, suggests, table
 from ._common import path as path_of
 from ._tables import columns, encoded, labeled
 
@@ -37,7 +38,12 @@ class Figure(NamedTuple):
 
     def plot(self, ax: Any = None) -> Any:
         """Draw the figure on axes of matplotlib, by default new ones, and return them."""
-        return plotted(self.png, ax)
+        from matplotlib import image
+
+        ax = axes(ax)
+        ax.imshow(image.imread(io.BytesIO(self.png), format="png"))
+        ax.set_axis_off()
+        return ax
 
 
 @suggests
@@ -65,7 +71,7 @@ class Analysis:
         self._native: _machband.Analysis | None = native
         self.warnings, self.errors = ([in_python(one, known) for one in found[name]] for name in ("warnings", "errors"))
         self.tables: dict[str, Table] = {name: table(*described) for name, described in found["tables"]}
-        self.files: dict[str, bytes] = found["files"]
+        self.files: dict[str, bytes] = dict(found["files"])
         self._summary, self._page, self._covariance = found["summary"], found["page"], found["covariance"]
         self._inputs = [*given, *map(os.fspath, found["inputs"])]
 
@@ -83,7 +89,7 @@ class Analysis:
 
     @cached_property
     def _report_files(self) -> dict[str, bytes]:
-        return self._native.report_files() if self._native else {}
+        return dict(self._native.report_files()) if self._native else {}
 
     @property
     def _fitted(self) -> dict[str, Any]:

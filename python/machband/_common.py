@@ -5,15 +5,14 @@ from __future__ import annotations
 import difflib
 import functools
 import inspect
-import io
 import operator
 import os
 import re
 import struct
-import warnings
 import zlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from importlib.util import find_spec
 from typing import Any, Literal, TypeVar, Union
 
 import numpy as np
@@ -102,7 +101,7 @@ def in_python(message: str, known: Iterable[str]) -> str:
     """Return a message of the library with arguments in place of options, and the nearest of the values it expects."""
     argument = {name.removesuffix("_deg").replace("_", "-"): name for name in known}
     message = message.replace(", --levels", "").replace("the options of", "the arguments of")
-    message = re.sub(r" <[^>]*>", "", message.replace("<FILE|DIR>...", "data")).replace("the option ppd", "ppd")
+    message = re.sub(r" <[^>]*>|^(\w+) \S+: (?=\1 )", "", message.replace("<FILE|DIR>...", "data")).replace("the option ppd", "ppd")
     message = re.sub(r"--([a-z-]+)", lambda found: argument.get(found[1], found[0]), message)
     message = re.sub(r", or the option (\w+)$", r", or \1=True", message)
     renamed = {"vertices": "n_vertices", "screen width": "screen_cm", "distance": "distance_cm"}
@@ -245,11 +244,9 @@ _CONVERSIONS: dict[str, Callable[[str, Any], str | bool | int | list[str]]] = {
     "float": lambda name, given: text(name, number(name, given)),
     "Seed": seed_of,
     "str": words,
-    "Dither": words,
-    "Shader": words,
     "str | PathLike[str]": path,
     "Texts": texts,
-    "float | Texts": texts,
+    "float | Texts": lambda name, given: texts(name, [given] if isinstance(plain(given), (int, float, np.number)) else given),
 }
 
 
@@ -273,7 +270,7 @@ def options(function: Callable[..., Any], given: Mapping[str, Any], *but: str) -
             if "display" in fields and given.get("display") is not None:
                 raise Error("transfer and display are both a display profile; expected one of them")
         else:
-            convert: Callable[[str, Any], Any] = _CONVERSIONS.get(kind) or (words if "Literal[" in kind else text)
+            convert: Callable[[str, Any], Any] = _CONVERSIONS.get(kind, text)
             field = convert(name, one)
             fields[name] = str(field) if type(field) is int else field
     return fields
@@ -281,10 +278,10 @@ def options(function: Callable[..., Any], given: Mapping[str, Any], *but: str) -
 
 def table(columns: Mapping[str, np.ndarray[Any, Any]], described: Iterable[tuple[str, str, str]] = ()) -> Table:
     """Return columns as a table. What is known about them goes into `DataFrame.attrs`."""
-    try:
-        import pandas
-    except ImportError:
+    if find_spec("pandas") is None:
         return dict(columns)
+    import pandas
+
     frame = pandas.DataFrame(dict(columns), copy=False)
     for name, column in columns.items():
         if column.dtype.kind == "M":
@@ -296,10 +293,10 @@ def table(columns: Mapping[str, np.ndarray[Any, Any]], described: Iterable[tuple
 
 def named(names: list[str], values: np.ndarray[Any, Any], columns: list[str] | None = None) -> Any:
     """Return named rows: a `pandas.Series`, or a `DataFrame` if rows have columns; without pandas, a dict."""
-    try:
-        import pandas
-    except ImportError:
+    if find_spec("pandas") is None:
         return dict(zip(names, values.tolist(), strict=True))
+    import pandas
+
     return pandas.Series(values, names) if values.ndim == 1 else pandas.DataFrame(values, names, columns)
 
 
@@ -322,29 +319,14 @@ def axes(ax: Any) -> Any:
     return pyplot.subplots()[1] if ax is None else ax
 
 
-def plotted(png: bytes, ax: Any) -> Any:
-    """Draw an image on axes of matplotlib, by default new ones, and return them."""
-    from matplotlib import image
-
-    ax = axes(ax)
-    ax.imshow(image.imread(io.BytesIO(png), format="png"))
-    ax.set_axis_off()
-    return ax
-
-
 @contextmanager
 def progress(unit: str) -> Iterator[Callable[[int, int], None] | None]:
     """Provide a function that shows the work done and the total in a bar, if tqdm is installed."""
-    try:
-        with warnings.catch_warnings():
-            # A notebook without widgets shows the bar as text.
-            warnings.simplefilter("ignore")
-            from tqdm.auto import tqdm
-    except ImportError:
-        tqdm = None
-    if tqdm is None:
+    if find_spec("tqdm") is None:
         yield None
         return
+    from tqdm import tqdm
+
     with tqdm(unit=f" {unit}", leave=False, delay=0.1) as bar:
 
         def show(done: int, total: int) -> None:

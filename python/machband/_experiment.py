@@ -74,13 +74,9 @@ class Definition:
         definition._native = _machband.Definition.from_json(json.dumps(_plain(keys)))
         return definition
 
-    def __getstate__(self) -> str:
-        """Pickle as text."""
-        return self._native.to_json()
-
-    def __setstate__(self, state: str) -> None:
-        """Read the text."""
-        self._native = _machband.Definition.from_json(state)
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle the keys."""
+        return Definition.from_dict, (self.to_dict(),)
 
     def __eq__(self, other: object) -> bool:
         """Compare the content."""
@@ -170,6 +166,8 @@ def simulate(
     >>> len(simulate("quick", participants=2, seed=7))
     56
     """
+    if resume and results is None:
+        raise _machband.Error(f"resume is {resume!r} without results; expected the folder of the interrupted run")
     if isinstance(definition, Mapping):
         definition = Definition.from_dict(definition)
     if not isinstance(definition, Definition):

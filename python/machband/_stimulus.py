@@ -144,7 +144,7 @@ class Transfer:
     def _apply(self, name: str, values: npt.ArrayLike, inverse: bool) -> float | Floats:
         given = numbers(name, values)
         if not ((given >= 0) & (given <= 1)).all():
-            raise _machband.Error(f"{name} goes from {given.min()} to {given.max()}; expected 0 to 1, such as codes / 255")
+            raise _machband.Error(f"{name} goes from {given.min()} to {given.max()}; expected 0 to 1")
         return _scalar(_machband.encode(given, encoding(self), inverse))
 
 

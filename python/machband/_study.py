@@ -255,8 +255,6 @@ def analyze(
         raise Error(f"on_error is {on_error!r}; expected 'raise' or 'drop'")
     if level is not None and categories is not None:
         raise Error("categories does not apply to answers at levels; expected ratings, or no categories")
-    if isinstance(missing, (int, float, np.number)) and not isinstance(missing, bool):
-        missing = [missing]
     found: dict[str, Cells] = {}
     orders: dict[str, list[str]] = {}
     given_columns = columns(data)

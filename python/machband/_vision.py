@@ -93,7 +93,9 @@ def predict(
     >>> predict(width=0.1).band_bright > predict(width=0.1, depth=3).band_bright
     True
     """
-    return Prediction(*_machband.predict(options(predict, locals()), *_named(kind, parameters)))
+    ramp, *others = _machband.predict(options(predict, locals()), *_named(kind, parameters))
+    bright, dark, *places = ramp or [None] * 4
+    return Prediction(bright, dark, *others, *places)
 
 
 class Place(NamedTuple):
@@ -190,6 +192,8 @@ def compare(
     else:
         request |= {"picture": "picture", "reference": "reference"}
         given = (_pixels("picture", picture), _pixels("reference", reference))
+        if "transfer" in request and given[0].dtype.kind == given[1].dtype.kind == "f":
+            raise _machband.Error("transfer is for codes, and floats are light; expected uint8 or uint16, or no transfer")
     found, map = _machband.compare(request, given)
     return _made(Comparison, found, map=map)
 
@@ -254,8 +258,7 @@ def steps(
     if pixels.dtype.kind == "f":
         raise _machband.Error("picture is light, which has no codes; expected codes as uint8 or uint16")
     found, dithered = _machband.steps(request, pixels)
-    light = "as asked" if {"transfer", "display"} & {*request} else "sRGB is assumed"
-    return _made(Steps, found, picture=dithered, light=light)
+    return _made(Steps, found, picture=dithered)
 
 
 T = TypeVar("T")

@@ -112,17 +112,27 @@ pub fn parameters(py: Python<'_>, kind: &str, given: Given) -> PyResult<Vec<Abou
 /// Numbers of any shape.
 type Numbers<'py> = PyReadonlyArrayDyn<'py, f64>;
 
-/// Applies `f` to every element, without the interpreter's lock.
-fn map<'py>(py: Python<'py>, values: &Numbers<'py>, f: impl Fn(f64) -> f64 + Send) -> Bound<'py, PyArrayDyn<f64>> {
-    let values = values.as_array().to_owned();
-    py.detach(|| values.mapv_into(f)).into_pyarray(py)
+/// Applies `f` to every element, row by row, without the interpreter's lock, until Ctrl+C.
+fn map<'py>(
+    py: Python<'py>,
+    values: &Numbers<'py>,
+    mut f: impl FnMut(f64) -> f64 + Send,
+) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    let mut values = values.as_array().to_owned();
+    py.detach(|| {
+        values.iter_mut().enumerate().try_for_each(|(i, value)| {
+            *value = f(*value);
+            if i % 65_536 == 0 { Python::attach(|py| py.check_signals()) } else { Ok(()) }
+        })
+    })?;
+    Ok(values.into_pyarray(py))
 }
 
 /// Returns I_n of every element.
 #[pyfunction]
 pub fn interpolate<'py>(py: Python<'py>, u: Numbers<'py>, depth: &str) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
     let interpolation = Interpolation::new(depth.parse::<Depth>().map_err(error)?);
-    Ok(map(py, &u, |u| if u.is_nan() { u } else { interpolation.value(u) }))
+    map(py, &u, |u| if u.is_nan() { u } else { interpolation.value(u) })
 }
 
 /// Encodes light, or decodes encoded values. If the channels of the display differ, each row has red, green and blue.
@@ -133,17 +143,14 @@ pub fn encode<'py>(
     encoding: Fields,
     inverse: bool,
 ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-    let (encoding, mut values) = (request::<Encoding>(encoding)?, values.as_array().to_owned());
-    let coded = job::run(py, None, false, move |job| {
-        let transfers = encoding.read(job)?.transfers;
-        if transfers.uniform().is_none() && values.shape().last() != Some(&3) {
-            anyhow::bail!("the channels of the display differ; expected values of shape (…, 3)");
-        }
-        let code = if inverse { Transfer::linear_from_encoded } else { Transfer::encoded_from_linear };
-        values.iter_mut().zip(transfers.channels().iter().cycle()).for_each(|(value, of)| *value = code(of, *value));
-        Ok(values)
-    })?;
-    Ok(coded.into_pyarray(py))
+    let encoding = request::<Encoding>(encoding)?;
+    let transfers = job::run(py, None, false, move |job| Ok(encoding.read(job)?.transfers))?;
+    if transfers.uniform().is_none() && values.as_array().shape().last() != Some(&3) {
+        return Err(error("the channels of the display differ; expected values of shape (…, 3)"));
+    }
+    let code = if inverse { Transfer::linear_from_encoded } else { Transfer::encoded_from_linear };
+    let mut channels = transfers.channels().iter().cycle();
+    map(py, &values, |value| channels.next().map_or(value, |of| code(of, value)))
 }
 
 /// The visual angle, the size and the number of pixels of lengths; and the pixels per degree.
@@ -166,7 +173,7 @@ pub fn visual_angle<'py>(
         "cm" => value * screen.px_per_cm(),
         _ => value,
     };
-    let deg = map(py, &values, |value| viewing.deg_from_px(px(value)));
-    let cm = map(py, &values, |value| px(value) / screen.px_per_cm());
-    Ok(([deg, cm, map(py, &values, px)], viewing.px_per_degree()))
+    let deg = map(py, &values, |value| viewing.deg_from_px(px(value)))?;
+    let cm = map(py, &values, |value| px(value) / screen.px_per_cm())?;
+    Ok(([deg, cm, map(py, &values, px)?], viewing.px_per_degree()))
 }

@@ -25,10 +25,7 @@ use machband::{
     work::{Analyze, Export, Watcher as _, verify::Verify, words},
 };
 use numpy::{IntoPyArray as _, PyArrayMethods as _};
-use pyo3::{
-    prelude::*,
-    types::{PyBytes, PyDict},
-};
+use pyo3::{prelude::*, types::PyDict};
 
 use crate::{
     Field, Fields,
@@ -40,45 +37,40 @@ use crate::{
 /// Returns the rows of all sessions in a folder as a table, the last column of which says whether a program answered.
 #[pyfunction]
 pub fn read_results(py: Python<'_>, folder: PathBuf, progress: Option<Py<PyAny>>) -> PyResult<Described<'_>> {
-    let table = job::run(py, progress, false, move |job| read(&folder, job))?;
-    described(py, table)
+    described(py, job::run(py, progress, false, move |job| read(&folder, job))?)
 }
 
 fn read(folder: &Path, job: &Job) -> anyhow::Result<Table> {
     let files = Listed::sessions(folder).complete(folder)?.files;
-    let mut all: Vec<Column> = Vec::new();
-    let mut simulated = Column::new(experiment::SIMULATED, "", "Whether a program answered instead of a person.");
+    let (mut all, mut simulated) = (Vec::<Column>::new(), Vec::new());
     for (i, csv) in files.iter().enumerate() {
         job.progress(i as u64, files.len() as u64);
         let header = ratings::column_names(csv)?;
         let columns = experiment::columns_by_header(header.iter().map(String::as_str));
         let rows = results::read(csv, &columns)?;
-        let before = simulated.cells.len();
+        let before = simulated.len();
         let sidecar = Sidecar::read(&csv.with_extension("json"))?;
         let of_program = |sidecar: Sidecar| sidecar.sittings.iter().any(|sitting| sitting.observer.is_some());
-        let of_program = u32::from(sidecar.is_some_and(of_program));
-        simulated.cells.resize(before + rows.len(), of_program.into());
+        simulated.resize(before + rows.len(), u32::from(sidecar.is_some_and(of_program)).into());
         let kind = rows.first().and_then(|row| Stimulus::default_of(&row.stimulus));
-        for experiment::Column { name, unit, description, .. } in &columns {
-            if all.iter().all(|known| known.name != *name) {
-                let parameters = kind.iter().flat_map(|kind| kind.parameters());
-                let known = parameters.filter(|_| description.is_empty()).find(|known| known.name == name);
-                all.push(known.map_or_else(
-                    || Column::new(name, unit, description),
-                    |known| Column::new(name, known.unit, known.description),
-                ));
-            }
-        }
-        // A cell that a session does not have is missing.
-        all.iter_mut().for_each(|column| column.cells.resize(before, Cell::Missing));
-        let place = |column: &experiment::Column| all.iter().position(|known| known.name == column.name);
-        let places: Vec<usize> = columns.iter().filter_map(place).collect();
+        let place = |experiment::Column { name, unit, description, .. }: &experiment::Column| {
+            all.iter().position(|known| known.name == *name).unwrap_or_else(|| {
+                let mut parameters = kind.iter().flat_map(|kind| kind.parameters());
+                let known = parameters.find(|known| description.is_empty() && known.name == name);
+                let (unit, about) = known.map_or((&**unit, &**description), |known| (known.unit, known.description));
+                all.push(Column { cells: vec![Cell::Missing; before], ..Column::new(name, unit, about) });
+                all.len() - 1
+            })
+        };
+        let places: Vec<usize> = columns.iter().map(place).collect();
         for row in rows {
             places.iter().zip(row.values()).for_each(|(place, cell)| all[*place].cells.push(cell));
         }
+        // A cell that a session does not have is missing.
+        all.iter_mut().for_each(|column| column.cells.resize(simulated.len(), Cell::Missing));
     }
-    all.iter_mut().for_each(|column| column.cells.resize(simulated.cells.len(), Cell::Missing));
-    all.push(simulated);
+    let about = "Whether a program answered instead of a person.";
+    all.push(Column { cells: simulated, ..Column::new(experiment::SIMULATED, "", about) });
     Ok(Table { columns: all })
 }
 
@@ -153,13 +145,6 @@ pub fn analyze(
     Ok(Analysis { found, command })
 }
 
-/// Files: their names and contents.
-fn files<'py>(py: Python<'py>, contents: Contents) -> PyResult<Bound<'py, PyDict>> {
-    let files = PyDict::new(py);
-    contents.into_iter().try_for_each(|(name, content)| files.set_item(name, PyBytes::new(py, &content)))?;
-    Ok(files)
-}
-
 #[pymethods]
 impl Analysis {
     /// Returns everything but the report and the figures, which take longer: the tables with their columns; the files, as
@@ -196,7 +181,7 @@ impl Analysis {
         let texts = |errors: &[FileError]| errors.iter().map(ToString::to_string).collect::<Vec<_>>();
         let facts = PyDict::new(py);
         facts.set_item("tables", tables.collect::<PyResult<Vec<_>>>()?)?;
-        facts.set_item("files", files(py, contents)?)?;
+        facts.set_item("files", contents)?;
         facts.set_item("covariance", covariance.into_pyarray(py).reshape([size, size])?)?;
         facts.set_item("summary", summary.map(report::skins::terminal).unwrap_or_default().join("\n"))?;
         facts.set_item("page", summary.map_or_else(String::new, report::skins::fragment))?;
@@ -206,19 +191,17 @@ impl Analysis {
         Ok(facts)
     }
 
-    /// Returns the report and the figures.
-    fn report_files<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+    /// Returns the report and the figures: the names of files, and their contents.
+    fn report_files(&self, py: Python<'_>) -> PyResult<Contents> {
         let (found, provenance) = (self.found.clone(), Provenance::new(self.command.clone(), now()));
-        let here = Path::new(".");
-        let contents = job::run(py, None, false, move |_| match found {
-            Found::Ratings(study, results) => Ok(report::report_files(&study, &results, &provenance, here)?),
+        job::run(py, None, false, move |_| match found {
+            Found::Ratings(study, results) => Ok(report::report_files(&study, &results, &provenance, Path::new("."))?),
             Found::Task(study, results) => {
-                let mut contents = report::task_files(&study, &results, &provenance, here, false)?;
+                let mut contents = report::task_files(&study, &results, &provenance, Path::new("."), false)?;
                 contents.drain(..tasks::tables(&study, &results).len());
                 Ok(contents)
             }
-        })?;
-        files(py, contents)
+        })
     }
 }
 

@@ -287,8 +287,7 @@ def test_generators_of_numpy_are_seeds():
         ([{"subject_id": "a", "rating": 1}], {}, TypeError, "data is {.*; expected .* dict of columns"),
         (pandas.DataFrame([[1, 2, 3]], columns=["subject_id", "rating", "rating"]), {"terms": "w"}, machband.Error, "rating appears twice"),
         (pandas.DataFrame([[1]], columns=pandas.MultiIndex.from_tuples([("a", "b")])), {}, machband.Error, "2 levels"),
-        ({"subject_id": ["a"], "rating": [1]}, {"draws": 0}, machband.Error, "draws 0: outside 99…1000000"),
-        ({"subject_id": ["a"], "rating": [1]}, {"draws": 19.5}, TypeError, "draws is 19.5"),
+        ({"p": ["a"], "x": [1]}, {"subject": "P", "response": "x"}, machband.Error, "expected one of p, x; did you mean p.$"),
         ({"subject_id": ["a"], "rating": [1]}, {"large": "no"}, TypeError, "large is 'no'; expected True or False"),
         ({"subject_id": ["a"], "rating": [1]}, {"response": ["rating"]}, TypeError, r"response is \['rating'\]; expected text"),
         ({"subject_id": ["a"], "rating": [1]}, {"wide": []}, machband.Error, "wide"),
@@ -446,8 +445,9 @@ def test_an_interrupted_simulation_resumes(tmp_path):
     with pytest.raises(machband.Error, match="S001"):
         machband.simulate("quick", participants=2, results=tmp_path)
     assert len(machband.simulate("quick", participants=2, results=tmp_path, resume=True)) == 56
-    with pytest.raises(machband.Error, match="vision"):
-        machband.simulate("quick", observer="visoin")
+    for given, words in [({"resume": True}, "resume is True without results"), ({"observer": "visoin"}, "vision")]:
+        with pytest.raises(machband.Error, match=words):
+            machband.simulate("quick", **given)
 
 
 def test_answers_at_levels():

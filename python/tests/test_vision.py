@@ -78,6 +78,8 @@ def test_steps_are_those_of_the_command(command, tmp_path):
         machband.compare("missing.png", tmp_path / "slow.png", window_deg=4)
     of_file = machband.steps(tmp_path / "slow.png", window_deg=20)
     assert [of_file.steps, of_file.dithered] == pytest.approx([told["steps"], told["dithered"]])
+    with pytest.raises(ValueError, match="transfer is for codes, and floats are light"):
+        machband.compare(codes / 255, codes / 255, window_deg=20, transfer="srgb")
     with pytest.raises(ValueError, match="picture is light, which has no codes"):
         machband.steps(codes / 255, window_deg=16)
 
@@ -89,7 +91,6 @@ OK = np.ones((64, 64), np.uint8)
     ("image", "given", "error", "words"),
     [
         (np.zeros((8, 8, 4)), {}, ValueError, r"shape \(8, 8, 4\)"),
-        (np.zeros(8), {}, ValueError, "shape"),
         (np.zeros((0, 8, 3)), {}, ValueError, "at least one pixel"),
         (np.zeros((64, 64), int), {}, TypeError, "dtype int64"),
         (np.zeros((64, 64)), {"black": 0}, machband.Error, "no light"),
@@ -114,13 +115,10 @@ def test_wrong_pictures_are_refused(image, given, error, words):
 @pytest.mark.parametrize(
     ("given", "error", "words"),
     [
-        ({"widht": 1}, machband.Error, "did you mean width"),
         ({"size": 4}, machband.Error, "size 4"),
         ({"ppd": 1, "window_deg": 1}, machband.Error, "cannot be used with"),
         ({"ppd": np.inf}, machband.Error, "ppd inf"),
         ({"kind": machband.stimuli.chevreul(size=8)}, TypeError, "kind is Stimulus.'chevreul'.*expected text"),
-        ({"kind": 3}, TypeError, "kind is 3; expected text"),
-        ({"ppd": (32, 32)}, TypeError, "ppd"),
         ({"criterion": "missing.toml"}, machband.Error, "missing.toml"),
     ],
 )

@@ -6,8 +6,8 @@ use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 use serde::Serialize;
 
 use super::{
-    counts::{Combinations, CountRow, Counts},
-    summary::category_values,
+    counts::{Combinations, Counts},
+    summary::{category_values, cell_means},
 };
 use crate::{
     statistics::{Interval, chi_squared_tail, shuffle},
@@ -34,17 +34,16 @@ impl SubjectMeans {
         let levels = counts.factors[factor].levels.len();
         let others: Vec<usize> = (0..counts.factors.len()).filter(|other| *other != factor).collect();
         let Combinations { of: cell_of, .. } = counts.combinations(&others);
-        let level_of = |row: &CountRow| counts.conditions[row.condition as usize][factor].map(|level| level as usize);
-        let rated = |level: usize| counts.rows.iter().any(|row| level_of(row) == Some(level) && row.count > 0);
-        let used: Vec<usize> = (0..levels).filter(|&level| rated(level)).collect();
-        let mut tallies: Vec<BTreeMap<usize, Vec<(u64, f64)>>> = vec![BTreeMap::new(); counts.subjects.len()];
-        for row in &counts.rows {
-            let Some(level) = level_of(row) else { continue };
-            let own = tallies[row.subject as usize].entry(cell_of[row.condition as usize]);
-            let (n, sum) = &mut own.or_insert_with(|| vec![(0, 0.0); levels])[level];
-            *n += row.count;
-            *sum += row.count as f64 * values[row.rating as usize];
+        let mut is_rated = vec![false; levels];
+        // The means of each participant at the levels, in each cell of the other factors.
+        let mut tallies: Vec<BTreeMap<usize, Vec<Option<f64>>>> = vec![BTreeMap::new(); counts.subjects.len()];
+        for (subject, condition, mean) in cell_means(counts) {
+            let Some(level) = counts.conditions[condition as usize][factor] else { continue };
+            let own = tallies[subject as usize].entry(cell_of[condition as usize]);
+            own.or_insert_with(|| vec![None; levels])[level as usize] = Some(mean);
+            is_rated[level as usize] = true;
         }
+        let used: Vec<usize> = (0..levels).filter(|&level| is_rated[level]).collect();
         let span = values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
         let mut means = Self {
             levels: used.iter().map(|&level| counts.factors[factor].levels[level].clone()).collect(),
@@ -53,17 +52,14 @@ impl SubjectMeans {
             tolerance: 1e-9 * span.max(f64::MIN_POSITIVE),
         };
         for (subject, tally) in counts.subjects.iter().zip(tallies) {
-            let whole: Vec<Vec<(u64, f64)>> =
-                tally.into_values().filter(|cell| used.iter().all(|&level| cell[level].0 > 0)).collect();
+            let means_of = |cell: Vec<Option<f64>>| used.iter().map(|&level| cell[level]).collect::<Option<Vec<f64>>>();
+            let whole: Vec<Vec<f64>> = tally.into_values().filter_map(means_of).collect();
             if whole.is_empty() {
                 means.incomplete.push(subject.clone());
                 continue;
             }
-            let mean = |&level: &usize| {
-                let sum: f64 = whole.iter().map(|cell| cell[level].1 / cell[level].0 as f64).sum();
-                sum / whole.len() as f64
-            };
-            means.rows.push((subject.clone(), used.iter().map(mean).collect()));
+            let mean = |place: usize| whole.iter().map(|cell| cell[place]).sum::<f64>() / whole.len() as f64;
+            means.rows.push((subject.clone(), (0..used.len()).map(mean).collect()));
         }
         means
     }

@@ -54,9 +54,25 @@ pub fn by_cell(counts: &Counts) -> Vec<Group> {
 
 /// Summarizes every combination of the levels of some factors, given by index.
 pub fn by_levels(counts: &Counts, factors: &[usize]) -> Vec<Group> {
+    of_combinations(counts, factors, true, |mean, _| Some(mean))
+}
+
+/// Returns what [`by_levels`] does, without intervals, if every participant's mean in each condition were that of `expected`;
+/// conditions without one are left out.
+pub fn by_levels_as(counts: &Counts, factors: &[usize], expected: &[Option<f64>]) -> Vec<Group> {
+    of_combinations(counts, factors, false, |_, condition| expected.get(condition as usize).copied().flatten())
+}
+
+/// Summarizes combinations of levels; `mean` returns what counts as the mean of a participant in a condition.
+fn of_combinations(
+    counts: &Counts,
+    factors: &[usize],
+    intervals: bool,
+    mean: impl Fn(f64, u32) -> Option<f64>,
+) -> Vec<Group> {
     let Combinations { all, of } = counts.combinations(factors);
     let name = |group: usize| counts.names(factors, &all[group]).into_iter().map(str::to_owned).collect();
-    groups(counts, all.len(), |row| of[row.condition as usize], name, true)
+    groups(counts, all.len(), |_, condition| of[condition as usize], name, intervals, mean)
 }
 
 /// Summarizes every level of a factor. Ratings without a level are left out.
@@ -67,58 +83,71 @@ pub fn by_factor(counts: &Counts, factor: usize) -> Vec<Group> {
 /// Summarizes every participant, without intervals.
 pub fn by_subject(counts: &Counts) -> Vec<Group> {
     let name = |group: usize| vec![counts.subjects[group].clone()];
-    groups(counts, counts.subjects.len(), |row| row.subject as usize, name, false)
+    groups(counts, counts.subjects.len(), |subject, _| subject as usize, name, false, |mean, _| Some(mean))
 }
 
-/// Computes each participant's mean rating in some groups of the rows; `None` without ratings.
+/// Returns the mean rating of each participant in each condition that they rated: participant, condition and mean.
+pub(super) fn cell_means(counts: &Counts) -> impl Iterator<Item = (u32, u32, f64)> {
+    let values = category_values(counts);
+    let mean = move |cell: &[CountRow]| {
+        let n: u64 = cell.iter().map(|row| row.count).sum();
+        let sum: f64 = cell.iter().map(|row| row.count as f64 * values[row.rating as usize]).sum();
+        (n > 0).then(|| (cell[0].subject, cell[0].condition, sum / n as f64))
+    };
+    // Rows are sorted by participant and condition.
+    counts.rows.chunk_by(|l, r| (l.subject, l.condition) == (r.subject, r.condition)).filter_map(mean)
+}
+
+/// Computes, for each of some groups of the conditions, the mean rating of each participant who rated any: each condition counts
+/// equally.
 pub fn means_by_subject(
     counts: &Counts,
     groups: usize,
-    group_of: impl Fn(&CountRow) -> Option<usize>,
-) -> Vec<Vec<Option<f64>>> {
-    let values = category_values(counts);
-    let mut sums = vec![vec![(0.0, 0.0); groups]; counts.subjects.len()];
-    for row in &counts.rows {
-        let Some(group) = group_of(row) else { continue };
-        let (n, sum) = &mut sums[row.subject as usize][group];
-        *n += row.count as f64;
-        *sum += row.count as f64 * values[row.rating as usize];
+    group_of: impl Fn(u32, u32) -> Option<usize>,
+) -> Vec<BTreeMap<u32, f64>> {
+    of_groups(counts, groups, |subject, condition, mean| Some((group_of(subject, condition)?, mean)))
+}
+
+/// Averages, for each group and participant, what `placed` makes of the mean of a participant in a condition.
+fn of_groups(
+    counts: &Counts,
+    groups: usize,
+    placed: impl Fn(u32, u32, f64) -> Option<(usize, f64)>,
+) -> Vec<BTreeMap<u32, f64>> {
+    let mut sums: Vec<BTreeMap<u32, (f64, f64)>> = vec![BTreeMap::new(); groups];
+    for (subject, condition, mean) in cell_means(counts) {
+        let Some((group, mean)) = placed(subject, condition, mean) else { continue };
+        let (conditions, sum) = sums[group].entry(subject).or_default();
+        *conditions += 1.0;
+        *sum += mean;
     }
-    let mean = |(n, sum): (f64, f64)| (n > 0.0).then(|| sum / n);
-    sums.into_iter().map(|groups| groups.into_iter().map(mean).collect()).collect()
+    let means = |group: BTreeMap<u32, (f64, f64)>| group.into_iter().map(|(own, (n, sum))| (own, sum / n)).collect();
+    sums.into_iter().map(means).collect()
 }
 
 fn groups(
     counts: &Counts,
     number: usize,
-    group_of: impl Fn(&CountRow) -> usize,
+    group_of: impl Fn(u32, u32) -> usize,
     name: impl Fn(usize) -> Vec<String> + Sync,
     intervals: bool,
+    mean: impl Fn(f64, u32) -> Option<f64>,
 ) -> Vec<Group> {
     let values = category_values(counts);
     let mut tallies = vec![vec![0_u64; values.len()]; number];
-    // The number of conditions of each participant, and the sum of the means in them.
-    let mut shares: Vec<BTreeMap<u32, (f64, f64)>> = vec![BTreeMap::new(); number];
-    // Rows are sorted by participant and condition.
-    for cell in counts.rows.chunk_by(|l, r| (l.subject, l.condition) == (r.subject, r.condition)) {
-        let group = group_of(&cell[0]);
-        let (mut n, mut sum) = (0.0, 0.0);
-        for row in cell {
-            tallies[group][row.rating as usize] += row.count;
-            n += row.count as f64;
-            sum += row.count as f64 * values[row.rating as usize];
-        }
-        if n > 0.0 {
-            let (conditions, means) = shares[group].entry(cell[0].subject).or_default();
-            *conditions += 1.0;
-            *means += sum / n;
+    for row in &counts.rows {
+        if mean(0.0, row.condition).is_some() {
+            tallies[group_of(row.subject, row.condition)][row.rating as usize] += row.count;
         }
     }
+    let means = of_groups(counts, number, |subject, condition, own| {
+        Some((group_of(subject, condition), mean(own, condition)?))
+    });
     let single = counts.subjects.len() == 1;
-    (tallies.par_iter().zip(&shares).enumerate())
+    (tallies.par_iter().zip(&means).enumerate())
         .filter(|(_, (tally, _))| tally.iter().any(|count| *count > 0))
-        .map(|(group, (tally, shares))| {
-            let means: Vec<f64> = shares.values().map(|(conditions, sum)| sum / conditions).collect();
+        .map(|(group, (tally, means))| {
+            let means: Vec<f64> = means.values().copied().collect();
             Group { names: name(group), summary: summarize(tally, &values, &means, intervals, single) }
         })
         .collect()

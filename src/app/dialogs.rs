@@ -1,15 +1,10 @@
 //! Dialogs above the pages: help, settings, and the question before the window is closed during a session.
 
-use eframe::egui::{self, Context, RichText, Ui, ViewportCommand};
+use eframe::egui::{Context, RichText, Ui, ViewportCommand};
 
 use super::{
     session::Trials,
-    ui::{
-        Field, Place, ask, hint, modal, paragraph,
-        pixels::logo,
-        secondary, section,
-        theme::{CONTROL, GAP, SECTION},
-    },
+    ui::{Field, Place, ask, hint, notice, paragraph, pixels::logo, secondary, section, theme::SECTION},
 };
 use crate::store::settings::{Settings, ThemeChoice};
 
@@ -23,6 +18,7 @@ const ZOOMS: [f32; 6] = [0.75, 1.0, 1.25, 1.5, 1.75, 2.0];
 const EVERYWHERE: &[(&str, &str)] = &[
     ("Ctrl+1 … Ctrl+5", "Go to Studies, Analyze, Stimuli, Shading, Display"),
     ("Tab, Shift+Tab", "Go to the next or previous control"),
+    ("Page Up, Page Down", "Scroll"),
     ("Esc", "Close a list or dialog; leave a field; then go back"),
     ("Ctrl + and Ctrl −", "Enlarge or reduce text and controls; Ctrl+0 restores their size"),
     ("Ctrl+Q", "Quit; asks first during a session, or if a copy is not saved"),
@@ -55,7 +51,7 @@ fn keys_of(place: Place) -> &'static [(&'static str, &'static str)] {
 
 /// Draws the help; returns whether it stays open.
 pub fn help(ctx: &Context, place: Place) -> bool {
-    dialog(ctx, "help", |ui| {
+    notice(ctx, "help", WIDTH, |ui| {
         let commit = env!("MACHBAND_COMMIT");
         let commit = commit.get(..12).unwrap_or(commit);
         ui.horizontal(|ui| {
@@ -80,8 +76,8 @@ pub fn help(ctx: &Context, place: Place) -> bool {
 }
 
 /// Draws the settings; returns whether they stay open.
-pub fn settings(ctx: &Context, settings: &mut Settings, notice: Option<&str>) -> bool {
-    dialog(ctx, "settings", |ui| {
+pub fn settings(ctx: &Context, settings: &mut Settings, problem: Option<&str>) -> bool {
+    notice(ctx, "settings", WIDTH, |ui| {
         ui.heading("Settings");
         let themes =
             [(ThemeChoice::System, "Follow the system"), (ThemeChoice::Light, "Light"), (ThemeChoice::Dark, "Dark")];
@@ -91,24 +87,14 @@ pub fn settings(ctx: &Context, settings: &mut Settings, notice: Option<&str>) ->
         Field::new("Size").column(120.0).width(110.0).choice(ui, &mut settings.zoom, &ZOOMS, title);
         hint(ui, "Also with Ctrl + and Ctrl −. Stimuli keep their size.");
         ui.checkbox(&mut settings.full_screen, "Run sessions full screen");
-        match notice {
-            Some(notice) => notice.lines().for_each(|line| super::ui::note(ui, line)),
+        match problem {
+            Some(problem) => problem.lines().for_each(|line| super::ui::note(ui, line)),
             None => hint(
                 ui,
                 "These settings are remembered, together with the screen, the results folder and recent files. Data about participants are not.",
             ),
         }
     })
-}
-
-/// Draws a dialog with a Close button; returns whether it stays open.
-fn dialog(ctx: &Context, id: &str, add: impl FnOnce(&mut Ui)) -> bool {
-    let (clicked, closed) = modal(ctx, id, WIDTH, |ui, height| {
-        egui::ScrollArea::vertical().max_height(height - CONTROL - 2.0 * GAP).show(ui, add);
-        ui.add_space(GAP);
-        ui.button("Close").clicked()
-    });
-    !(clicked || closed)
 }
 
 fn keys(ui: &mut Ui, keys: &[(&str, &str)]) {

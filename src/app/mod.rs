@@ -77,6 +77,8 @@ pub struct App {
     dialog: Option<SideDialog>,
     quit: Quit,
     memory: Memory,
+    /// Whether the window has been made to fit its screen.
+    is_fitted: bool,
     /// Keys and clicks with their arrival times.
     input: Input,
 }
@@ -127,6 +129,7 @@ impl App {
                 && let Some(place) = ui::side_bar(ui, self.place, &mut self.dialog)
             {
                 self.go(place, false);
+                ui.ctx().request_discard("the side bar shows the place before");
             }
             self.draw_place(ui, monitor);
         });
@@ -148,11 +151,16 @@ impl App {
                 })
             }
             Place::Display => {
-                let protocol = self.studies.checked().and_then(|checked| checked.protocol.as_ref());
-                let window_deg = protocol.map_or(10.0, |protocol| protocol.viewing.window_deg);
-                let fields = self.studies.screen();
+                let checked = self.studies.check(monitor);
+                self.studies.remember(&mut self.memory.settings, monitor, &checked);
+                let window_deg = checked.protocol.as_ref().map_or(10.0, |protocol| protocol.viewing.window_deg);
                 let display = self.display.get_or_insert_default();
-                Step::back_if(display.show(ui, monitor, fields, window_deg))
+                let step = display.show(ui, monitor, self.studies.screen(), checked.profile(), window_deg);
+                if step == Step::Next(()) {
+                    // The file may have the same name as before.
+                    self.studies.refresh(false, &self.memory.settings);
+                }
+                Step::back_if(step == Step::Back)
             }
             Place::Analyze => {
                 let analysis = self.analysis.get_or_insert_default();
@@ -268,6 +276,9 @@ impl eframe::App for App {
         self.input.frame(ui.input(|input| input.time), Instant::now());
         let is_dark = self.session.is_some() || self.measured().is_some();
         self.memory.apply(ui.ctx(), is_dark);
+        if !std::mem::replace(&mut self.is_fitted, true) && self.session.is_none() {
+            ui::fit_window(ui.ctx());
+        }
         ui::begin_frame(ui.ctx());
         self.draw(ui, frame);
         self.draw_dialogs(ui.ctx());

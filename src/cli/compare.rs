@@ -81,17 +81,16 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<bool
     let mut is_within = true;
     for case in &cases {
         match &case.times {
-            Ok(times) => {
+            Ok(_) => {
                 if !*json {
                     print_line(&case.line)?;
                 }
                 if let Some(note) = &case.note {
                     message("warning", &format!("{}: {note}", printable(&case.name)));
                 }
-                if let Some(max) = request.max.filter(|max| times > max) {
+                if let Some(failure) = case.failure(request.max) {
                     is_within = false;
-                    let name = printable(&case.name);
-                    message("error", &format!("{name}: {}", too_much(*times, max)));
+                    message("error", &format!("{}: {failure}", printable(&case.name)));
                 }
             }
             Err(error) => {
@@ -115,10 +114,8 @@ fn judged(arguments: &Arguments, writer: &Writer, is_folder: bool, bar: &Bar) ->
             let option = if request.steps { "steps" } else { "map" };
             return Err(RequestError::value(option, "is for one picture; expected no folders").into());
         }
-        let (found, left_out) = request.folders(bar)?;
-        left_out.iter().for_each(|what| message("warning", what));
         let of = |(name, found)| Case::of_pair(&request.picture.join(&name), name, found);
-        return found.into_iter().map(of).collect();
+        return request.folders(bar)?.into_iter().map(of).collect();
     }
     if request.steps {
         let found = request.steps(None, bar)?;
@@ -139,6 +136,13 @@ fn judged(arguments: &Arguments, writer: &Writer, is_folder: bool, bar: &Bar) ->
 }
 
 impl Case {
+    /// Says that the difference is above the maximum, if it is, in a number that is above it too.
+    fn failure(&self, max: Option<f64>) -> Option<String> {
+        let (times, max) = (*self.times.as_ref().ok()?, max?);
+        let shown = (1e4 * times).ceil() / 1e4;
+        (times > max).then(|| format!("{shown} times threshold; expected at most {max}"))
+    }
+
     fn of_pair(picture: &Path, name: String, found: anyhow::Result<Compared>) -> anyhow::Result<Self> {
         let found = match found {
             Ok(found) => found,
@@ -162,14 +166,13 @@ impl Case {
     }
 
     fn of_steps(found: &Steps) -> anyhow::Result<Self> {
-        let (written, times) = (found.bits.min(8), found.rounded.unwrap_or(found.steps));
         let keep = found.bits > 8 && found.steps < 1.0;
         let better = if keep { format!("keep {} bits", found.bits) } else { "write 16 bits".to_owned() };
         let remedy = if found.is_below() && found.is_edges {
             "what is judged is below threshold".to_owned()
         } else if found.is_below() {
-            format!("the steps of {written} bits are below threshold: no dither is needed")
-        } else if found.dithered < times {
+            "the steps are below threshold: no dither is needed".to_owned()
+        } else if found.dithered < found.rounded.unwrap_or(found.steps) {
             format!("{better}, or dither to 8 (--dither-out)")
         } else {
             format!("dither would be more visible than the steps: {better}")
@@ -192,13 +195,6 @@ impl Case {
     }
 }
 
-/// Says that a difference is above the maximum, with as many decimals as it takes to see that.
-fn too_much(times: f64, max: f64) -> String {
-    let number = (3..=17).map(|decimals| format!("{times:.decimals$}"));
-    let number = number.into_iter().find(|number| number.parse::<f64>().is_ok_and(|shown| shown > max));
-    format!("{} times threshold; expected at most {max}", number.unwrap_or_else(|| times.to_string()))
-}
-
 /// Says how pictures are seen, and what their codes mean.
 fn seen(viewing: &ViewingConditions, light: &str) -> String {
     // Of pixels per degree, a width has many decimals.
@@ -214,20 +210,15 @@ fn plain(text: &str) -> String {
 
 /// Writes the cases as JUnit XML.
 fn document(cases: &[Case], max: Option<f64>) -> String {
-    let is_above = |times: f64| max.is_some_and(|max| times > max);
     let errors = cases.iter().filter(|case| case.times.is_err()).count();
-    let failures = cases.iter().filter(|case| case.times.as_ref().is_ok_and(|times| is_above(*times))).count();
+    let failures = cases.iter().filter(|case| case.failure(max).is_some()).count();
     let body = html! {
         testsuites {
             testsuite name="machband compare" tests=(cases.len()) failures=(failures) errors=(errors) {
                 @for case in cases {
                     testcase classname="machband.compare" name=(plain(&case.name)) {
-                        @match &case.times {
-                            Ok(times) if is_above(*times) => failure message=(too_much(*times, max.unwrap_or_default())) {},
-                            Ok(_) => {},
-                            Err(error) => error message=(plain(error)) {},
-                        }
-                        @if case.times.is_ok() {
+                        @if let Some(failure) = case.failure(max) { failure message=(failure) {} }
+                        @if let Err(error) = &case.times { error message=(plain(error)) {} } @else {
                             system-out { (plain(&case.line)) @if let Some(note) = &case.note { "\nwarning: " (plain(note)) } }
                         }
                     }

@@ -2,10 +2,7 @@
 
 use super::{Bar, OutPath, print_line};
 use crate::{
-    analysis::{
-        Slopes,
-        power::{Sampling, ThresholdObserver},
-    },
+    analysis::power::{Sampling, ThresholdObserver},
     report::document::Shown,
     store::{Writer, definition},
     text::{Cell, Column, Table},
@@ -113,16 +110,12 @@ fn ratings(planned: &Planned) -> String {
     let (spec, Sampling { studies, alpha, seed }) = (&planned.plan.spec, planned.sampling);
     format!(
         "{}, observer {}: {} ratings from each participant, {studies} studies per number of participants, seed {seed}; \
-             {} model of {} with {}, alpha {alpha}",
+             {} model of {}, slopes {}, alpha {alpha}",
         planned.protocol.name,
         planned.observer,
         planned.plan.ratings(),
         spec.link,
         spec.terms,
-        match spec.slopes {
-            Slopes::None => "random intercepts only",
-            Slopes::Independent => "independent random slopes",
-            Slopes::Correlated => "correlated random slopes",
-        }
+        spec.slopes,
     )
 }

@@ -33,8 +33,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     let Arguments { request, json, .. } = arguments;
     let bar = Bar::new("conditions");
     let Some(experiment) = &request.experiment else {
-        let found = request.one(None, &bar)?;
-        let table = &found.table;
+        let (_, table) = request.one(None, &bar)?;
         return put(arguments, writer, &if *json { as_json(&table.json().first())? } else { table.csv() });
     };
     let Predictions { table, fit } = request.all(experiment, &bar)?;
@@ -46,14 +45,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     }
     let Some((found, source)) = fit else { return Ok(()) };
     if *json {
-        print_data(&as_json(&serde_json::json!({
-            "ratings": found.ratings,
-            "conditions": found.conditions,
-            "participants": found.participants,
-            "criterion": found.criterion,
-            "criterion_intervals": found.intervals,
-            "rank_correlation": found.rank_correlation,
-        }))?)?;
+        print_data(&as_json(&found)?)?;
     } else {
         print_comparison(&found, &source)?;
     }

@@ -128,16 +128,11 @@ impl Viewing {
     /// it has enough.
     pub fn coarseness(&self, deg: f64) -> Option<String> {
         let (side, per_degree) = (self.px_from_deg(deg).round(), self.px_per_degree());
-        if side < MIN_STIMULUS_PX {
-            return Some(format!(
-                "The stimulus has only {side} × {side} pixels, too few for a smooth ramp; at least {MIN_STIMULUS_PX} \
-                    are needed. Sit farther away, or plan a larger stimulus."
-            ));
-        }
-        (per_degree < MIN_PX_PER_DEGREE).then(|| {
+        let is_coarse = side < MIN_STIMULUS_PX || per_degree < MIN_PX_PER_DEGREE;
+        is_coarse.then(|| {
             format!(
-                "One degree has only {per_degree:.1} pixels, so pixels are visible; at least {MIN_PX_PER_DEGREE} are \
-                    needed. Sit farther away, or check the screen's width."
+                "The stimulus has only {side} × {side} pixels, {per_degree:.1} a degree, too few for a smooth ramp; at least \
+                    {MIN_STIMULUS_PX} and {MIN_PX_PER_DEGREE} are needed. Sit farther away, or plan a larger stimulus."
             )
         })
     }

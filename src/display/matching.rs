@@ -125,16 +125,6 @@ impl MatchSettings {
     pub fn rows(&self) -> Rows {
         Rows { lit: 1, period: self.period, row_px: self.row_px }
     }
-
-    /// Total number of matches.
-    pub fn total(&self) -> usize {
-        self.matches * self.channels.len()
-    }
-
-    /// Expected duration in seconds.
-    pub fn duration_s(&self) -> f64 {
-        self.total() as f64 * MATCH_S
-    }
 }
 
 /// A patch that was adjusted until it vanished in its field.
@@ -250,12 +240,6 @@ pub struct ChannelGamma {
     pub interval: [f64; 2],
     /// Number of matches.
     pub matches: usize,
-    /// The field's share of full light, 0…1.
-    pub share: f64,
-    /// Mean of the matched codes.
-    pub code: f64,
-    /// Standard deviation of the matched codes.
-    pub code_sd: f64,
 }
 
 /// Estimates γ of each channel that has matches, in the order of [`Channel::ALL`].
@@ -285,11 +269,9 @@ fn channel_gamma(channel: Channel, own: &[Match]) -> Result<ChannelGamma, String
     if mean - half <= 0.0 {
         return Err("the matches do not determine γ; expected codes that agree with each other".to_owned());
     }
-    let share = own[0].rows.share();
-    let gamma = |mean: f64| -share.ln() / mean;
-    let (code, code_sd) = mean_and_sd(&codes);
+    let gamma = |mean: f64| -own[0].rows.share().ln() / mean;
     let interval = [gamma(mean + half), gamma(mean - half)];
-    Ok(ChannelGamma { channel, gamma: gamma(mean), interval, matches: own.len(), share, code, code_sd })
+    Ok(ChannelGamma { channel, gamma: gamma(mean), interval, matches: own.len() })
 }
 
 impl ChannelGamma {

@@ -79,15 +79,12 @@ impl Course {
             _ => planned.planned_pair(&self.protocol),
         };
         let [one, other] = pair.unwrap_or([planned.condition; 2]);
-        let mut names = self.protocol.adaptive.iter().flat_map(Adaptive::parameters);
-        let (x, y) = if let Pick::Level(x, y) = pick { (Some(x), y) } else { (None, None) };
         let turn = Turn {
             condition: &conditions[one],
             other: pair.map(|_| &conditions[other]),
             place: planned.place,
             draw: self.draw(trial),
-            level: names.next().zip(x),
-            second: names.next().zip(y),
+            levels: self.protocol.adaptive.as_ref().map_or_else(Vec::new, |adaptive| adaptive.named(pick)),
         };
         Presentation { pick, ..self.protocol.task.present(&turn) }
     }
@@ -119,12 +116,10 @@ impl Course {
 
     /// Returns what a trial could show, whatever the answers before, given the level that it has.
     pub fn possible(&self, trial: usize, level: Option<f64>) -> Vec<Presentation> {
-        let second = self.protocol.adaptive.as_ref().and_then(Adaptive::second);
-        let second = second.map_or(vec![None], |second| second.levels.iter().map(Some).collect());
         let adaptive = self.protocol.adaptive.as_ref();
-        let level = level.filter(|level| adaptive.is_some_and(|adaptive| adaptive.can_show(*level)));
+        let level = adaptive.zip(level).filter(|(adaptive, level)| adaptive.can_show(*level));
         let picks: Vec<Pick> = match (level, self.protocol.pairs()) {
-            (Some(level), _) => second.into_iter().map(|second| Pick::Level(level, second.copied())).collect(),
+            (Some((adaptive, level)), _) => adaptive.picks(&[level]),
             (None, Some(pairs)) if !self.tracks.is_empty() => pairs.iter().map(|pair| Pick::Pair(*pair)).collect(),
             _ => vec![Pick::Planned],
         };

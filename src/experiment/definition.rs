@@ -10,7 +10,7 @@ use super::{
     faults::DefinitionError,
     participant::ParticipantFields,
     scale::ResponseScale,
-    task::{Adaptive, Task},
+    task::{Adaptive, OptionValue, Task, options},
     texts::Texts,
 };
 use crate::{stimulus::Stimulus, text::names::serde_as_text};
@@ -63,34 +63,25 @@ pub struct Definition {
     pub plan: Plan,
 }
 
-/// Number and order of the trials.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Design {
-    /// Number of main trials for each condition, at least 1.
-    pub repetitions: u32,
-    /// Number of practice trials, which are drawn from the same conditions.
-    pub practice: u32,
-    /// Number of main trials between two breaks; 0 for no breaks.
-    pub break_every: u32,
-    /// Order of the main trials.
-    pub order: Order,
-    /// Maximum number of consecutive trials with the same level of a factor.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub max_run: Option<u32>,
+options! {
+    /// Number and order of the trials.
+    Design {
+        repetitions: u32 = 1, "Repetitions", OptionValue::Number, "Main trials for each condition.";
+        practice: u32 = 0, "Practice", OptionValue::Number, "Practice trials before the main part, from the same conditions; they are recorded, but not analyzed.";
+        break_every: u32 = 0, "Break every", OptionValue::Number, "Main trials between two breaks; 0 for no breaks.";
+        order: Order = Order::Random, "Order", OptionValue::Order, "Random: all trials shuffled together. Blocks: one for each level of a factor, in random order or, as in a Latin square, counterbalanced across participants.";
+        #[serde(skip_serializing_if = "Option::is_none")]
+        max_run: Option<u32> = None, "Longest run", OptionValue::Optional("any length"), "At most this many consecutive trials with the same level of a factor.";
+    }
 }
 
-/// What happens around a session's trials.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct SessionRules {
-    /// Whether the last page shows participants their own mean ratings. Someone who has seen them may rate differently
-    /// in the next session, or tell others what to expect.
-    pub own_means: bool,
-    /// An interrupted session that is resumed later than this, in hours, shows the instructions again and repeats the
-    /// practice.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub refresh_after_h: Option<f64>,
+options! {
+    /// What happens around a session's trials.
+    SessionRules {
+        own_means: bool = false, "Own means at the end", OptionValue::Flag, "The last page shows participants their own mean ratings. Someone who has seen them may rate differently in the next session.";
+        #[serde(skip_serializing_if = "Option::is_none")]
+        refresh_after_h: Option<f64> = None, "Practice again after, h", OptionValue::Optional("never"), "An interrupted session that is resumed later shows the instructions and the practice again.";
+    }
 }
 
 impl SessionRules {
@@ -99,19 +90,12 @@ impl SessionRules {
     }
 }
 
-/// How many people are planned, and how often each of them comes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Plan {
-    /// Number of participants, 1…9999; `None` if it is not planned.
-    pub participants: Option<u32>,
-    /// Number of sessions of each participant, 1…99.
-    pub sessions: u32,
-}
-
-impl Default for Plan {
-    fn default() -> Self {
-        Self { participants: None, sessions: 1 }
+options! {
+    /// How many people are planned, and how often each of them comes.
+    #[derive(Copy, Eq)]
+    Plan {
+        participants: Option<u32> = None, "Participants", OptionValue::Optional("not planned"), "How many people are to take part, 1…9999. The plan may change while a study runs.";
+        sessions: u32 = 1, "Sessions each", OptionValue::Number, "How many sessions each participant attends, 1…99.";
     }
 }
 
@@ -163,14 +147,12 @@ impl std::str::FromStr for Order {
 
 serde_as_text!(Order);
 
-/// The uniform field between stimuli (Bangay §3.1).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Recovery {
-    /// Seconds, 0…600.
-    pub duration_s: f64,
-    /// Relative luminance in linear light, 0…1, in the color of the stimulus.
-    pub level: f64,
+options! {
+    /// The uniform field between stimuli (Bangay §3.1).
+    Recovery {
+        duration_s: f64 = 2.0, "Recovery, s", OptionValue::Number, "Duration of the uniform field between two stimuli.";
+        level: f64 = 0.5, "Recovery level", OptionValue::Number, "Relative luminance of the uniform field, from 0 to 1, in linear light.";
+    }
 }
 
 /// A stimulus of fixed duration. The uniform field follows until the stimulus is rated; an earlier rating ends the
@@ -182,32 +164,11 @@ pub struct Presentation {
     pub duration_s: f64,
 }
 
-/// The planned viewing geometry.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct ViewingPlan {
-    /// Distance from the eye to the screen, cm.
-    pub distance_cm: f64,
-    /// Side of the square stimulus, degrees of visual angle.
-    pub window_deg: f64,
-}
-
-impl Default for Design {
-    fn default() -> Self {
-        Self { repetitions: 1, practice: 0, break_every: 0, order: Order::Random, max_run: None }
-    }
-}
-
-impl Default for Recovery {
-    fn default() -> Self {
-        Self { duration_s: 2.0, level: 0.5 }
-    }
-}
-
-impl Default for ViewingPlan {
-    /// About 10° at 50 cm (Bangay §3.1).
-    fn default() -> Self {
-        Self { distance_cm: 50.0, window_deg: 10.0 }
+options! {
+    /// The planned viewing geometry; by default, about 10° at 50 cm (Bangay §3.1).
+    ViewingPlan {
+        distance_cm: f64 = 50.0, "Distance, cm", OptionValue::Number, "Planned distance from the eye to the screen.";
+        window_deg: f64 = 10.0, "Stimulus size, °", OptionValue::Number, "Side of the square stimulus, in degrees of visual angle.";
     }
 }
 
@@ -221,9 +182,7 @@ impl Definition {
     pub fn file_task(&self) -> String {
         self.name.replace('-', "")
     }
-}
 
-impl Definition {
     /// Returns every text that participants read, with its place in the definition, or that of its question.
     pub fn participant_texts(&self) -> impl Iterator<Item = (String, &str)> {
         let texts = self.instructions.entries().map(|(key, text)| (format!("instructions.{key}"), text));

@@ -25,7 +25,9 @@ pub use course::Course;
 pub use definition::{Definition, Design, MAX_RATING, Order, Plan, Presentation, Recovery, SessionRules, ViewingPlan};
 pub use faults::{DefinitionError, DefinitionErrors};
 pub use frame_log::{FrameRun, Shown};
-pub use observer::{Observer, OrderedLogit, UniformObserver, VisionObserver, VisionRater, simulate};
+pub use observer::{
+    Observer, ObserverParameters, OrderedLogit, UniformObserver, VisionObserver, VisionRater, simulate,
+};
 pub use participant::{Answers, FieldKind, FieldSpec, Identity, MAX_ANSWER, ParticipantField, ParticipantFields};
 pub use protocol::{Protocol, name_error};
 pub use record::{
@@ -33,7 +35,7 @@ pub use record::{
     TrialRecord, columns, columns_by_header, is_reserved,
 };
 pub use replay::{Replay, Replayed};
-pub use scale::{CATEGORIES, Category, ResponseScale, default_key};
+pub use scale::{CATEGORIES, Category, ResponseScale};
 pub use schedule::{GENERATOR, Phase, Schedule, ScheduleError, Trial, session_seed};
 pub use session::{Effect, Event, FrameCount, Progress, Resumed, Session, SessionOptions, State, TrialResponse};
 pub use texts::Texts;

@@ -109,77 +109,85 @@ fn rating(thresholds: [f64; 3], categories: usize, latent: f64) -> u8 {
     (1..categories).filter(|threshold| latent > at(*threshold as f64 / categories as f64)).count() as u8
 }
 
-/// An ordered-logit observer: P(rating ≤ j) = 1/(1+e^(η−θ_j)), with
-///
-/// η = `depth`·q − `fall`·log₂⁺(w/w₀) − `narrow`·log₂⁺(w₀/w) + `oblique`·|sin 2θ| + `contrast`·log₂(c/½) +
-/// `subject_sd`·z
-///
-/// where q = 1/n (for n = ∞, q = 1/`infinite_as`, because the slope of 2.5 in the middle of that ramp is close to that
-/// of n = 5), w is the width, w₀ is the width of the strongest band, θ is the orientation, c = (high−low)/(high+low), z
-/// is the participant's deviate, and log₂⁺ = max(log₂, 0). A step (w = 0) and a uniform field (c = 0) have no band and
-/// are rated 0.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct OrderedLogit {
-    /// θ₁ < θ₂ < θ₃: the boundaries between ratings.
-    pub thresholds: [f64; 3],
-    /// Standard deviation of the participants' intercepts.
-    pub subject_sd: f64,
-    /// Weight of 1/n.
-    pub depth: f64,
-    /// The finite n as which n = ∞ counts.
-    pub infinite_as: f64,
-    /// Width of the strongest band, as a proportion of the window.
-    pub strongest_width: f64,
-    /// Loss for each doubling of the width above `strongest_width`.
-    pub fall: f64,
-    /// Loss for each halving of the width below `strongest_width`.
-    pub narrow: f64,
-    /// Weight of |sin 2θ|, which grows with the distance from the cardinal orientations.
-    pub oblique: f64,
-    /// Weight of each doubling of Michelson contrast relative to ½.
-    pub contrast: f64,
-    /// Probability of pressing a random key.
-    pub lapse: f64,
+/// The parameters of an observer, as in its file.
+pub trait ObserverParameters: serde::de::DeserializeOwned + Default {
+    /// All thresholds are above this.
+    const ABOVE: f64;
+    /// Returns the boundaries between ratings.
+    fn thresholds(&self) -> [f64; 3];
+    /// Returns each other parameter with its name and its range.
+    fn parameters(&mut self) -> Vec<(&'static str, &mut f64, [f64; 2])>;
 }
 
-impl Default for OrderedLogit {
-    /// Follows the findings of Bangay §3.2. Visibility decreases with width, and also for very narrow ramps. It
-    /// decreases with n and is still decreasing after n = 3. A linear ramp is always visible. Orientation has no
-    /// effect. The numbers are chosen so that the results look like Bangay's Figure 4; they are not estimated from
-    /// data.
-    fn default() -> Self {
-        Self {
-            thresholds: [0.0, 1.5, 3.5],
-            subject_sd: 0.6,
-            depth: 6.0,
-            infinite_as: 5.0,
-            strongest_width: 0.05,
-            fall: 0.7,
-            narrow: 0.9,
-            oblique: 0.0,
-            contrast: 0.0,
-            lapse: 0.01,
+/// Declares the parameters of an observer, with their defaults and ranges.
+macro_rules! parameters {
+    ($(#[$meta:meta])* $name:ident, $thresholds:expr, above $above:expr, {
+        $($(#[doc = $about:literal])+ $field:ident: $default:expr, $range:expr;)*
+    }) => {
+        $(#[$meta])*
+        #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+        #[serde(default, deny_unknown_fields)]
+        pub struct $name {
+            /// The boundaries between ratings, in ascending order.
+            pub thresholds: [f64; 3],
+            $($(#[doc = $about])+ pub $field: f64,)*
         }
+
+        impl Default for $name {
+            fn default() -> Self {
+                Self { thresholds: $thresholds, $($field: $default,)* }
+            }
+        }
+
+        impl ObserverParameters for $name {
+            const ABOVE: f64 = $above;
+            fn thresholds(&self) -> [f64; 3] {
+                self.thresholds
+            }
+            fn parameters(&mut self) -> Vec<(&'static str, &mut f64, [f64; 2])> {
+                vec![$((stringify!($field), &mut self.$field, $range),)*]
+            }
+        }
+    };
+}
+
+parameters! {
+    /// An ordered-logit observer: P(rating ≤ j) = 1/(1+e^(η−θ_j)), with
+    ///
+    /// η = `depth`·q − `fall`·log₂⁺(w/w₀) − `narrow`·log₂⁺(w₀/w) + `oblique`·|sin 2θ| + `contrast`·log₂(c/½) +
+    /// `subject_sd`·z
+    ///
+    /// where q = 1/n (for n = ∞, q = 1/`infinite_as`, because the slope of 2.5 in the middle of that ramp is close to that
+    /// of n = 5), w is the width, w₀ is the width of the strongest band, θ is the orientation, c = (high−low)/(high+low), z
+    /// is the participant's deviate, and log₂⁺ = max(log₂, 0). A step (w = 0) and a uniform field (c = 0) have no band and
+    /// are rated 0.
+    ///
+    /// By default, it follows the findings of Bangay §3.2. Visibility decreases with width, and also for very narrow ramps.
+    /// It decreases with n and is still decreasing after n = 3. A linear ramp is always visible. Orientation has no effect.
+    /// The numbers are chosen so that the results look like Bangay's Figure 4; they are not estimated from data.
+    OrderedLogit, [0.0, 1.5, 3.5], above f64::NEG_INFINITY, {
+        /// Standard deviation of the participants' intercepts.
+        subject_sd: 0.6, [0.0, 100.0];
+        /// Weight of 1/n.
+        depth: 6.0, [-1000.0, 1000.0];
+        /// The finite n as which n = ∞ counts.
+        infinite_as: 5.0, [1.0, 1000.0];
+        /// Width of the strongest band, as a proportion of the window.
+        strongest_width: 0.05, [1e-6, 1.0];
+        /// Loss for each doubling of the width above `strongest_width`.
+        fall: 0.7, [-1000.0, 1000.0];
+        /// Loss for each halving of the width below `strongest_width`.
+        narrow: 0.9, [-1000.0, 1000.0];
+        /// Weight of |sin 2θ|, which grows with the distance from the cardinal orientations.
+        oblique: 0.0, [-1000.0, 1000.0];
+        /// Weight of each doubling of Michelson contrast relative to ½.
+        contrast: 0.0, [-1000.0, 1000.0];
+        /// Probability of pressing a random key.
+        lapse: 0.01, [0.0, 1.0];
     }
 }
 
 impl OrderedLogit {
-    /// Returns each parameter that is a number, with its name and its range.
-    pub fn parameters(&mut self) -> [(&'static str, &mut f64, [f64; 2]); 9] {
-        [
-            ("subject_sd", &mut self.subject_sd, [0.0, 100.0]),
-            ("depth", &mut self.depth, [-1000.0, 1000.0]),
-            ("infinite_as", &mut self.infinite_as, [1.0, 1000.0]),
-            ("strongest_width", &mut self.strongest_width, [1e-6, 1.0]),
-            ("fall", &mut self.fall, [-1000.0, 1000.0]),
-            ("narrow", &mut self.narrow, [-1000.0, 1000.0]),
-            ("oblique", &mut self.oblique, [-1000.0, 1000.0]),
-            ("contrast", &mut self.contrast, [-1000.0, 1000.0]),
-            ("lapse", &mut self.lapse, [0.0, 1.0]),
-        ]
-    }
-
     /// Returns the linear predictor η of a stimulus for a participant, or −∞ if there is no band to see.
     pub fn predictor(&self, stimulus: &Stimulus, subject: f64) -> f64 {
         let number = |name: &str| Cell::from(stimulus.get(name)?).as_number();
@@ -224,25 +232,16 @@ impl Observer for OrderedLogit {
     }
 }
 
-/// An invented observer that rates what the vision model predicts: the bright band of a ramp, or the difference of a
-/// shaded mesh from the smooth surface, in times threshold. Its criterion was not fitted to people.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct VisionRater {
-    /// See [`Criterion::thresholds`].
-    pub thresholds: [f64; 3],
-    /// See [`Criterion::spread`].
-    pub spread: f64,
-    /// Standard deviation between participants, in units of ln times threshold.
-    pub subject_sd: f64,
-    /// Probability of pressing a random key.
-    pub lapse: f64,
-}
-
-impl Default for VisionRater {
-    /// The same values as in `experiments/observers/vision.toml`.
-    fn default() -> Self {
-        Self { thresholds: [0.25, 1.0, 4.0], spread: 0.8, subject_sd: 0.4, lapse: 0.01 }
+parameters! {
+    /// An invented observer that rates what the vision model predicts: the bright band of a ramp, or the difference of a
+    /// shaded mesh from the smooth surface, in times threshold. Its criterion was not fitted to people.
+    VisionRater, [0.25, 1.0, 4.0], above 0.0, {
+        /// See [`Criterion::spread`].
+        spread: 0.8, [1e-6, 1000.0];
+        /// Standard deviation between participants, in units of ln times threshold.
+        subject_sd: 0.4, [0.0, 100.0];
+        /// Probability of pressing a random key.
+        lapse: 0.01, [0.0, 1.0];
     }
 }
 
@@ -346,20 +345,20 @@ pub fn simulate<E>(
     let mut rng = stream(seed, &["trials", identity.subject(), identity.session()]);
     let mut now = start;
     loop {
+        let protocol = session.protocol();
+        let wait = match session.state() {
+            State::Recovery { .. } | State::Closing { .. } => Some(protocol.recovery_duration()),
+            State::Gap { .. } => Some(protocol.gap_duration()),
+            State::Stimulus { interval, .. } if interval + 1 < intervals => protocol.presentation_duration(),
+            _ => None,
+        };
+        if let Some(wait) = wait {
+            now += wait;
+            session.step(Event::Frame, now);
+            continue;
+        }
         let effect = match session.state() {
             State::Done | State::Left => return Ok(()),
-            State::Recovery { .. } | State::Closing { .. } => {
-                now += session.protocol().recovery_duration();
-                session.step(Event::Frame, now)
-            }
-            State::Gap { .. } => {
-                now += session.protocol().gap_duration();
-                session.step(Event::Frame, now)
-            }
-            State::Stimulus { interval, .. } if interval + 1 < intervals => {
-                now += session.protocol().presentation_duration().unwrap_or_default();
-                session.step(Event::Frame, now)
-            }
             State::Stimulus { .. } | State::Response { .. } => {
                 let (Some(trial), Some(shown)) = (session.current(), session.shown()) else { return Ok(()) };
                 // Each trial has its own position in the key stream: 64 blocks of 16 words per trial.
@@ -377,7 +376,7 @@ pub fn simulate<E>(
                 session.step(Event::Rate(key), now)
             }
             State::Paused(_) => session.step(Event::Resume, now),
-            State::Instructions(_) | State::PhaseStart(_) | State::Break => session.step(Event::Continue, now),
+            _ => session.step(Event::Continue, now),
         };
         if let Effect::Record(response) = effect {
             record(&response)?;

@@ -2,7 +2,7 @@
 
 use std::{collections::HashSet, ops::Deref, sync::Arc, time::Duration};
 
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 use super::{
     condition::{Condition, cross},
@@ -23,11 +23,14 @@ const SETTING_S: f64 = 12.0;
 const RESERVED_KEYS: [char; 1] = ['s'];
 
 /// A [`Definition`] without errors, and its conditions: what a session runs. The definition can be read but not changed.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(transparent)]
 pub struct Protocol {
     definition: Definition,
+    #[serde(skip)]
     conditions: Arc<[Condition]>,
     /// See [`Protocol::pairs`].
+    #[serde(skip)]
     pairs: Option<Arc<[[usize; 2]]>>,
 }
 
@@ -40,18 +43,6 @@ impl Deref for Protocol {
 }
 
 /// The definition determines the conditions.
-impl PartialEq for Protocol {
-    fn eq(&self, other: &Self) -> bool {
-        self.definition == other.definition
-    }
-}
-
-impl Serialize for Protocol {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.definition.serialize(serializer)
-    }
-}
-
 impl Protocol {
     /// Checks a definition.
     ///
@@ -227,17 +218,19 @@ impl Definition {
         conditions
     }
 
-    /// Returns whether the pictures could not be read, so that their factors are not known.
-    fn lacks_pictures(&self) -> bool {
-        matches!(&self.stimulus, Stimulus::Image(shown) if shown.gallery.pictures.is_empty())
+    /// Returns the number of conditions.
+    fn cells(&self) -> usize {
+        match &self.stimulus {
+            Stimulus::Image(pictures) => pictures.each().count(),
+            _ => self.factors.iter().fold(1, |cells: usize, factor| cells.saturating_mul(factor.levels.len())),
+        }
     }
 
     fn check_factors(&self, errors: &mut DefinitionErrors) -> Vec<Condition> {
         let before = errors.0.len();
         for (i, factor) in self.factors.iter().enumerate() {
             let path = format!("factors.{}", factor.name);
-            // Why there are no pictures was told when they were read.
-            if factor.levels.is_empty() && !self.lacks_pictures() {
+            if factor.levels.is_empty() {
                 errors.add(&path, format!("factor {} is empty; expected at least one level", factor.name));
             }
             if self.factors[..i].iter().any(|other| other.name == factor.name) {
@@ -267,9 +260,7 @@ impl Definition {
         // With repetitions = 0, which is reported as its own error, there are no trials, but there are still cells.
         let adaptive = self.adaptive.as_ref().map(|adaptive| adaptive.common.trials);
         let repetitions = adaptive.unwrap_or(self.design.repetitions).max(1) as usize;
-        let crossed = self.factors.iter().fold(1, |n: usize, factor| n.saturating_mul(factor.levels.len()));
-        let cells = if let Stimulus::Image(pictures) = &self.stimulus { pictures.each().count() } else { crossed };
-        let main = cells.saturating_mul(repetitions);
+        let main = self.cells().saturating_mul(repetitions);
         let trials = main.saturating_add(self.design.practice as usize);
         if trials > MAX_TRIALS {
             errors.add("factors", format!("the design has {trials} trials; expected at most {MAX_TRIALS}"));
@@ -306,7 +297,6 @@ impl Definition {
         }
         if let Some(name) = design.order.factor()
             && !self.factors.iter().any(|factor| factor.name == name)
-            && !self.lacks_pictures()
         {
             let known: Vec<_> = self.factors.iter().map(|f| f.name.as_str()).collect();
             let expected = match known[..] {
@@ -319,7 +309,7 @@ impl Definition {
 
     fn check_task(&self, errors: &mut DefinitionErrors) {
         let adapted = self.adaptive.iter().flat_map(|adaptive| adaptive.parameters()).collect();
-        let given = Given { stimulus: &self.stimulus, factors: &self.factors, adapted };
+        let given = Given { stimulus: &self.stimulus, factors: &self.factors, conditions: self.cells(), adapted };
         self.task.check(&given, errors);
         let is_changed = self.task.dial().is_some_and(|dial| dial.parameter.is_some());
         let has_own = is_changed || matches!(self.task.layout(), Layout::Intervals { .. });
@@ -335,11 +325,10 @@ impl Definition {
             );
             errors.add("adaptive", message);
         }
-        adaptive.check(&self.stimulus, &self.factors, &*self.task, errors);
+        adaptive.check(&given, &*self.task, errors);
     }
 
-    /// Adds an error if a parameter that the task or the adaptive method sets contradicts another one, or if the reference is
-    /// the target.
+    /// Adds an error if a parameter that the task or the adaptive method sets contradicts another one.
     fn check_shown(&self, conditions: &[Condition], errors: &mut DefinitionErrors) {
         if self.task.is_default() {
             return;
@@ -359,25 +348,12 @@ impl Definition {
                 return errors.add(path, error.to_string());
             }
         }
-        let Some(reference) = self.task.reference() else { return };
-        let is_same = |target: Stimulus| reference.apply(&target).is_ok_and(|other| other == target);
-        if conditions.iter().any(|condition| targets(condition, &picks).all(is_same)) {
-            let message = "all stimuli of a trial are the same; expected a reference that differs from the target";
-            errors.add("task.reference", message);
-        }
     }
 
     /// Returns the levels that an adaptive method may choose, at both ends of its range, with each level of a second parameter.
-    fn picks(&self) -> Vec<[Option<(&str, f64)>; 2]> {
-        fn choices<'a>(name: &'a str, levels: &[f64]) -> Vec<Option<(&'a str, f64)>> {
-            levels.iter().map(|level| Some((name, *level))).collect()
-        }
-        let (mut levels, mut seconds) = (vec![None], vec![None]);
-        if let Some(adaptive) = &self.adaptive {
-            levels = choices(&adaptive.common.parameter, &adaptive.range());
-            seconds = adaptive.second().map_or(seconds, |second| choices(&second.parameter, &second.levels));
-        }
-        levels.iter().flat_map(|level| seconds.iter().map(move |second| [*level, *second])).collect()
+    fn picks(&self) -> Vec<Vec<(&str, f64)>> {
+        let Some(adaptive) = &self.adaptive else { return vec![Vec::new()] };
+        adaptive.picks(&adaptive.range()).into_iter().map(|pick| adaptive.named(pick)).collect()
     }
 
     /// Returns the pairs of conditions to compare, and adds an error if their trials cannot be ordered as asked.
@@ -438,10 +414,9 @@ impl Definition {
     }
 }
 
-/// Returns the target of a condition at each pair of levels.
-fn targets<'a>(condition: &'a Condition, picks: &'a [[Option<(&'a str, f64)>; 2]]) -> impl Iterator<Item = Stimulus> {
-    let turn = move |&[level, second]: &[_; 2]| Turn { condition, other: None, place: 0, draw: 1.0, level, second };
-    picks.iter().map(move |pick| turn(pick).target())
+/// Returns the target of a condition at each of these levels.
+fn targets<'a>(condition: &'a Condition, picks: &'a [Vec<(&'a str, f64)>]) -> impl Iterator<Item = Stimulus> {
+    picks.iter().map(|levels| Turn { condition, other: None, place: 0, draw: 1.0, levels: levels.clone() }.target())
 }
 
 /// Returns why `name` cannot be the name of an experiment, or `None` if it can.

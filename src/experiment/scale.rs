@@ -7,11 +7,6 @@ use serde::{Serialize, Serializer, ser::SerializeMap as _};
 /// The possible numbers of categories of a scale: ratings are 0…1 to 0…10.
 pub const CATEGORIES: RangeInclusive<usize> = 2..=11;
 
-/// Returns the key of a rating if the definition names none: its digit, and A for 10; `None` if there is no such rating.
-pub fn default_key(rating: usize) -> Option<char> {
-    char::from_digit(rating as u32, *CATEGORIES.end() as u32)
-}
-
 /// The rating scale: two to eleven categories, whose ratings count from 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResponseScale {
@@ -66,6 +61,13 @@ impl ResponseScale {
     /// Fills in `{keys}` in a text: the keys of the answers.
     pub fn fill_keys(&self, text: &str) -> String {
         text.replace("{keys}", &self.categories.iter().map(Category::key_name).collect::<Vec<_>>().join(", "))
+    }
+
+    /// Returns the key of one of `count` answers if the definition names none: that of this scale if it has as many, and
+    /// otherwise the digit, and A for 10; `None` if there is no such answer.
+    pub fn default_key(&self, answer: usize, count: usize) -> Option<char> {
+        let own = self.categories.get(answer).filter(|_| self.categories.len() == count).map(|category| category.key);
+        own.or_else(|| char::from_digit(answer as u32, *CATEGORIES.end() as u32))
     }
 
     /// Returns the highest rating.

@@ -75,34 +75,22 @@ pub enum State {
     Stimulus {
         /// Start of the frame that presented it. If several intervals show a stimulus, that of the last one so far.
         onset: Duration,
-        /// Actual duration of the uniform field before the stimulus.
-        recovery: Duration,
         /// The interval, from 0.
         interval: usize,
-        /// Start of the frame that presented the first interval.
-        first: Duration,
     },
     /// The uniform field between two intervals.
     Gap {
         /// When the field appeared on the screen.
         since: Duration,
-        /// Actual duration of the uniform field before the trial.
-        recovery: Duration,
         /// The next interval.
         next: usize,
-        /// Start of the frame that presented the first interval.
-        first: Duration,
     },
     /// The uniform field after a stimulus of fixed duration, until it is rated.
     Response {
         /// Start of the frame that presented the stimulus.
         onset: Duration,
-        /// Actual duration of the uniform field before the stimulus.
-        recovery: Duration,
         /// Actual duration of the stimulus, or of the last interval.
         stimulus: Duration,
-        /// Start of the frame that presented the first interval.
-        first: Duration,
     },
     /// A rest, until the participant continues.
     Break,
@@ -218,9 +206,8 @@ pub struct Session {
     position: usize,
     /// What the current or next trial shows.
     shown: Option<Presentation>,
-    /// The value that is set, and its changes so far.
-    value: Option<f64>,
-    steps: Vec<(Duration, f64)>,
+    /// What is known about the trial at hand so far.
+    trial: Measured,
     /// See [`Resumed::again`].
     again: BTreeMap<usize, u32>,
     /// The trial being repeated after its rating was undone, and its attempt.
@@ -234,15 +221,28 @@ pub struct Session {
     pending: bool,
     state: State,
     options: SessionOptions,
-    frames: u32,
-    dropped: u32,
-    /// True if a frame of the trial could not be judged because no refresh interval was known.
-    unjudged: bool,
-    late: Option<bool>,
     log: FrameLog,
     /// Total time spent in trials and their number, to estimate the remaining time.
     pace: (Duration, u32),
-    trial_start: Duration,
+}
+
+/// What is measured in a trial, until it is answered.
+#[derive(Clone, Debug, Default)]
+struct Measured {
+    /// When the uniform field before the stimulus appeared.
+    start: Duration,
+    /// The actual duration of that field.
+    recovery: Duration,
+    /// Start of the frame that presented the stimulus, or its first interval.
+    onset: Duration,
+    /// The value that is set, and its changes so far.
+    value: Option<f64>,
+    steps: Vec<(Duration, f64)>,
+    frames: u32,
+    dropped: u32,
+    /// True if a frame could not be judged because no refresh interval was known.
+    unjudged: bool,
+    late: Option<bool>,
 }
 
 impl Session {
@@ -255,21 +255,15 @@ impl Session {
             again: resumed.again.clone(),
             position: 0,
             shown: None,
-            value: None,
-            steps: Vec::new(),
+            trial: Measured::default(),
             redo: None,
             page_left: false,
             last: None,
             pending: false,
             state: State::Instructions(0),
             options,
-            frames: 0,
-            dropped: 0,
-            unjudged: false,
-            late: None,
             log: FrameLog::default(),
             pace: (Duration::ZERO, 0),
-            trial_start: Duration::ZERO,
         };
         session.plan();
         if session.current().is_none() {
@@ -308,7 +302,7 @@ impl Session {
 
     /// Returns the value that is set now, if the task asks for one and it was touched or began somewhere.
     pub fn value(&self) -> Option<f64> {
-        self.value
+        self.trial.value
     }
 
     /// Chooses what the current or next trial shows.
@@ -401,8 +395,8 @@ impl Session {
                     && value.is_finite()
                 {
                     let value = value.clamp(low, high);
-                    if self.value.replace(value) != Some(value) {
-                        self.steps.push((now.saturating_sub(*onset), value));
+                    if self.trial.value.replace(value) != Some(value) {
+                        self.trial.steps.push((now.saturating_sub(*onset), value));
                     }
                 }
             }
@@ -437,10 +431,7 @@ impl Session {
     fn recover(&mut self, now: Duration) {
         // What has been on the screen until now belongs to the previous state.
         self.end_frame(now);
-        self.frames = 0;
-        self.dropped = 0;
-        self.unjudged = false;
-        self.trial_start = now;
+        self.trial = Measured { start: now, ..Measured::default() };
         self.state = State::Recovery { since: now };
     }
 
@@ -448,23 +439,19 @@ impl Session {
         self.end_frame(now);
         match self.state {
             State::Recovery { since } if self.is_recovered(since, now) => self.present(since, now),
-            State::Stimulus { onset, recovery, interval, first } => match self.protocol().presentation_duration() {
+            State::Stimulus { onset, interval } => match self.protocol().presentation_duration() {
                 Some(planned) if self.is_over(now.saturating_sub(onset), planned) => {
                     let next = interval + 1;
                     self.state = match self.protocol().task.layout() {
-                        Layout::Intervals { count, .. } if next < count => {
-                            State::Gap { since: now, recovery, next, first }
-                        }
-                        _ => State::Response { onset, recovery, stimulus: now.saturating_sub(onset), first },
+                        Layout::Intervals { count, .. } if next < count => State::Gap { since: now, next },
+                        _ => State::Response { onset, stimulus: now.saturating_sub(onset) },
                     };
                 }
-                _ => self.frames += 1,
+                _ => self.trial.frames += 1,
             },
-            State::Gap { since, recovery, next, first }
-                if self.is_over(now.saturating_sub(since), self.protocol().gap_duration()) =>
-            {
-                self.frames += 1;
-                self.state = State::Stimulus { onset: now, recovery, interval: next, first };
+            State::Gap { since, next } if self.is_over(now.saturating_sub(since), self.protocol().gap_duration()) => {
+                self.trial.frames += 1;
+                self.state = State::Stimulus { onset: now, interval: next };
             }
             State::Closing { since } if self.is_recovered(since, now) => self.state = State::Done,
             _ => {}
@@ -474,13 +461,14 @@ impl Session {
 
     fn present(&mut self, since: Duration, now: Duration) {
         let recovery = now.saturating_sub(since);
-        self.frames = 1;
-        self.late = self.refresh().map(|refresh| refresh.is_late(recovery, self.protocol().recovery_duration()));
-        if self.late == Some(true) {
+        let late = self.refresh().map(|refresh| refresh.is_late(recovery, self.protocol().recovery_duration()));
+        if late == Some(true) {
             self.log.times.late_onset();
         }
-        (self.value, self.steps) = (self.shown.as_ref().and_then(|shown| shown.start), Vec::new());
-        self.state = State::Stimulus { onset: now, recovery, interval: 0, first: now };
+        let value = self.shown.as_ref().and_then(|shown| shown.start);
+        let before = std::mem::take(&mut self.trial);
+        self.trial = Measured { recovery, onset: now, value, frames: 1, late, ..before };
+        self.state = State::Stimulus { onset: now, interval: 0 };
     }
 
     fn is_recovered(&self, since: Duration, now: Duration) -> bool {
@@ -520,8 +508,8 @@ impl Session {
 
     fn end_frame(&mut self, now: Duration) {
         if let Some((Shown::Recovery | Shown::Stimulus | Shown::Gap, interval)) = self.log.end(now) {
-            self.dropped += u32::from(interval.dropped);
-            self.unjudged |= interval.refresh.is_none();
+            self.trial.dropped += u32::from(interval.dropped);
+            self.trial.unjudged |= interval.refresh.is_none();
         }
     }
 
@@ -533,17 +521,15 @@ impl Session {
     /// Returns the answer of a key; `None` if there is no such answer, or not yet.
     fn answer(&self, key: u8) -> Option<Answer> {
         if self.protocol().task.dial().is_some() {
-            return self.value.filter(|_| key == 0).map(Answer::Value);
+            return self.trial.value.filter(|_| key == 0).map(Answer::Value);
         }
         (usize::from(key) < self.protocol().response.categories.len()).then_some(Answer::Key(key))
     }
 
     fn rate(&mut self, key: u8, at: Duration, uncertainty: Option<Duration>, now: Duration) -> Effect {
-        let (onset, recovery, stimulus, first) = match self.state {
-            State::Stimulus { onset, recovery, first, .. } if self.can_answer() => {
-                (onset, recovery, now.saturating_sub(onset), first)
-            }
-            State::Response { onset, recovery, stimulus, first } => (onset, recovery, stimulus, first),
+        let (onset, stimulus) = match self.state {
+            State::Stimulus { onset, .. } if self.can_answer() => (onset, now.saturating_sub(onset)),
+            State::Response { onset, stimulus } => (onset, stimulus),
             _ => return Effect::None,
         };
         let (Some(trial), Some(answer)) = (self.current(), self.answer(key)) else { return Effect::None };
@@ -558,25 +544,26 @@ impl Session {
         self.plan();
         self.last = Some((trial, attempt));
         self.pending = true;
-        self.pace.0 += now.saturating_sub(self.trial_start);
+        let measured = std::mem::take(&mut self.trial);
+        self.pace.0 += now.saturating_sub(measured.start);
         self.pace.1 += 1;
         let screen = self.options.frames != FrameCount::Off;
-        let judged = self.refresh().is_some() && !self.unjudged;
+        let judged = self.refresh().is_some() && !measured.unjudged;
         let sets_value = matches!(answer, Answer::Value(_));
         let response = TrialResponse {
             trial,
             attempt,
             shown,
             answer,
-            steps: sets_value.then(|| std::mem::take(&mut self.steps)),
+            steps: sets_value.then_some(measured.steps),
             response_time: at.min(now).saturating_sub(onset),
-            onset: first,
-            recovery,
+            onset: measured.onset,
+            recovery: measured.recovery,
             stimulus: screen.then_some(stimulus),
             uncertainty,
-            late_onset: self.late,
-            frames: screen.then_some(self.frames),
-            dropped_frames: judged.then_some(self.dropped),
+            late_onset: measured.late,
+            frames: screen.then_some(measured.frames),
+            dropped_frames: judged.then_some(measured.dropped),
         };
         self.after(trial, now);
         Effect::Record(Box::new(response))

@@ -69,19 +69,17 @@ impl FromStr for Dither {
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let text = text.trim();
-        match text {
-            "none" => Ok(Dither::None),
-            "ordered" => Ok(Dither::Ordered(DitherMatrix::default())),
-            "blue-noise" => Ok(Dither::BlueNoise),
-            "random" => Ok(Dither::Random { seed: 1 }),
-            _ => match text.strip_prefix("ordered:") {
-                Some(matrix) => {
-                    matrix.parse().map(Dither::Ordered).map_err(|error: DitherMatrixError| error.to_string())
-                }
-                None => Err(format!(
-                    "dither {text:?} is not known; expected none, ordered, ordered:MATRIX, blue-noise or random"
-                )),
-            },
+        match (text, text.strip_prefix("ordered:")) {
+            ("none", _) => Ok(Dither::None),
+            ("ordered", _) => Ok(Dither::Ordered(DitherMatrix::default())),
+            ("blue-noise", _) => Ok(Dither::BlueNoise),
+            ("random", _) => Ok(Dither::Random { seed: 1 }),
+            (_, Some(matrix)) => {
+                matrix.parse().map(Dither::Ordered).map_err(|error: DitherMatrixError| error.to_string())
+            }
+            _ => Err(format!(
+                "dither {text:?} is not known; expected none, ordered, ordered:MATRIX, blue-noise or random"
+            )),
         }
     }
 }

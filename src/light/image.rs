@@ -113,3 +113,19 @@ fn sample_index(width: u32, height: u32, x: u32, y: u32) -> usize {
     assert!(x < width && y < height, "pixel ({x}, {y}) is outside the {width} × {height} image");
     (y as usize * width as usize + x as usize) * 3
 }
+
+/// Returns the pixels of a row of `from` pixels, with their shares, that make up pixel `at` of a row of `to` pixels: the mean
+/// of the area that it covers, or, if there are fewer, an interpolation between the centers of two.
+pub fn shares(at: u32, to: u32, from: u32) -> Vec<(u32, f64)> {
+    let scale = f64::from(from) / f64::from(to);
+    // A triangle as wide as two pixels of the coarser row.
+    let (center, reach) = ((f64::from(at) + 0.5) * scale - 0.5, scale.max(1.0));
+    let range = (center - reach).floor() as i64..=(center + reach).ceil() as i64;
+    let weight = |pixel: i64| {
+        let weight = 1.0 - (pixel as f64 - center).abs() / reach;
+        (weight > 0.0).then_some((pixel.clamp(0, i64::from(from) - 1) as u32, weight))
+    };
+    let all: Vec<(u32, f64)> = range.filter_map(weight).collect();
+    let sum: f64 = all.iter().map(|(_, weight)| weight).sum();
+    all.into_iter().map(|(pixel, weight)| (pixel, weight / sum)).collect()
+}

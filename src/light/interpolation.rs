@@ -39,20 +39,18 @@ impl Depth {
     pub fn finite(n: u32) -> Result<Depth, DepthError> {
         match u8::try_from(n) {
             Ok(n @ 1..=Depth::MAX_FINITE) => Ok(Depth::Finite(n)),
-            _ => Err(DepthError::OutOfRange(n.to_string())),
+            _ => Err(DepthError { depth: n.to_string(), problem: "is outside 1…32" }),
         }
     }
 }
 
-/// Why a value is not a valid [`Depth`].
+/// The error for a value that is not a [`Depth`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum DepthError {
-    /// A whole number that is not supported.
-    #[error("depth {0} is outside 1…32; expected a whole number from 1 to 32, or inf")]
-    OutOfRange(String),
-    /// Not a whole number.
-    #[error("depth {0} is not a whole number; expected a whole number from 1 to 32, or inf")]
-    NotWhole(String),
+#[error("depth {depth} {problem}; expected a whole number from 1 to 32, or inf")]
+pub struct DepthError {
+    depth: String,
+    /// The problem, as a phrase that begins with a verb.
+    pub problem: &'static str,
 }
 
 impl fmt::Display for Depth {
@@ -72,9 +70,11 @@ impl FromStr for Depth {
         if text == "inf" {
             return Ok(Depth::Infinite);
         }
-        match text.parse::<i128>() {
-            Ok(n) => u32::try_from(n).map_err(|_| DepthError::OutOfRange(text.to_owned())).and_then(Depth::finite),
-            Err(_) => Err(DepthError::NotWhole(format!("{text:?}"))),
+        // What is out of range stays so.
+        let n = text.parse::<i128>().map(|n| u32::try_from(n).unwrap_or(u32::MAX));
+        match n.map(Depth::finite) {
+            Ok(found) => found.map_err(|error| DepthError { depth: text.to_owned(), ..error }),
+            Err(_) => Err(DepthError { depth: format!("{text:?}"), problem: "is not a whole number" }),
         }
     }
 }
@@ -116,51 +116,21 @@ pub const TANH_K: f64 = 5.0;
 
 const MAX: usize = Depth::MAX_FINITE as usize;
 
-/// `SUMS[n][k]` = C(n−1+k, k): the coefficients of the sum whose terms do not cancel.
+/// `SUMS[n][k]` = C(n−1+k, k): the coefficients of the sum whose terms do not cancel. From Pascal's triangle, which is exact.
 static SUMS: [[f64; MAX]; MAX + 1] = {
-    let mut table = [[0.0; MAX]; MAX + 1];
-    let mut n = 1;
+    let (mut exact, mut table) = ([[1_u64; MAX]; MAX + 1], [[1.0; MAX]; MAX + 1]);
+    let mut n = 2;
     while n <= MAX {
-        let mut k = 0;
-        while k < n {
-            table[n][k] = binomial(n - 1 + k, k) as f64;
+        let mut k = 1;
+        while k < MAX {
+            exact[n][k] = exact[n - 1][k] + exact[n][k - 1];
+            table[n][k] = exact[n][k] as f64;
             k += 1;
         }
         n += 1;
     }
     table
 };
-
-/// C(n, k), exact for n ≤ 64.
-const fn binomial(n: usize, k: usize) -> u128 {
-    let mut result = 1u128;
-    let mut i = 0;
-    while i < k {
-        // The division is exact at every step: the product so far is C(n, i + 1).
-        result = result * (n - i) as u128 / (i as u128 + 1);
-        i += 1;
-    }
-    result
-}
-
-/// Coefficients c_j of u^(n+j), j = 0 … n−1, of the polynomial I_N(u) on 0…1: `[3, −2]` for N = 2,
-/// `[10, −15, 6]` for N = 3.
-///
-/// Intended for shaders and other code that needs a plain polynomial. The terms cancel more and more as N grows;
-/// [`Interpolation::value`] has no such cancellation. Does not compile for N outside 1…32.
-pub const fn coefficients<const N: usize>() -> [f64; N] {
-    const { assert!(N >= 1 && N <= MAX, "depth outside 1…32") }
-    // (2n−1)·C(2n−2, n−1)·C(n−1, j)/(n+j) is a whole number below 2^93 for n ≤ 32.
-    let scale = (2 * N as u128 - 1) * binomial(2 * N - 2, N - 1);
-    let mut c = [0.0; N];
-    let mut j = 0;
-    while j < N {
-        let magnitude = (scale * binomial(N - 1, j) / (N + j) as u128) as f64;
-        c[j] = if j % 2 == 0 { magnitude } else { -magnitude };
-        j += 1;
-    }
-    c
-}
 
 /// I_n for one depth, prepared for repeated evaluation.
 #[derive(Clone, Copy, Debug, PartialEq)]

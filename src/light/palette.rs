@@ -192,17 +192,13 @@ fn median_cut(tallies: &[Tally], colors: usize, quantizer: &Quantizer) -> Vec<[u
 /// pixels: at least one and never all.
 fn median(tallies: &[Tally]) -> usize {
     let total: u64 = tallies.iter().map(|tally| u64::from(tally.count)).sum();
-    let mut below = 0;
-    for (at, tally) in tallies.iter().enumerate() {
-        let with = below + u64::from(tally.count);
-        if 2 * with >= total {
-            // Cut before or after this color, whichever is nearer to the middle.
-            let at = if total - 2 * below < 2 * with - total { at } else { at + 1 };
-            return at.clamp(1, tallies.len() - 1);
-        }
-        below = with;
-    }
-    tallies.len() - 1
+    let below = tallies.iter().scan(0, |below, tally| {
+        *below += 2 * u64::from(tally.count);
+        Some(*below)
+    });
+    // In a tie, the later cut.
+    let cuts = (1..tallies.len()).zip(below);
+    cuts.min_by_key(|(at, below)| (below.abs_diff(total), std::cmp::Reverse(*at))).map_or(1, |(at, _)| at)
 }
 
 /// Returns the index of the color nearest to `light`; the first of equally near ones.

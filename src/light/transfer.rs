@@ -2,7 +2,6 @@
 //!
 //! Both quantities are relative, 0…1. The name of each function states the direction of the conversion.
 
-use std::cmp::Ordering;
 use std::fmt;
 use std::str::FromStr;
 
@@ -188,33 +187,16 @@ impl TransferTable {
     /// Creates the table in which the encoded value `encoded[i]` produces the relative luminance `linear[i]`.
     ///
     /// # Errors
-    /// Returns an error if the columns differ in length or have fewer than two values, if one of them does not rise at
-    /// every step (NaN included), or if one of them does not run from 0 to 1.
+    /// Returns an error if the columns differ in length, or if one of them does not rise from 0 to 1 at every step (NaN
+    /// included).
     pub fn new(encoded: Vec<f64>, linear: Vec<f64>) -> Result<Self, String> {
-        if encoded.len() != linear.len() || encoded.len() < 2 {
-            return Err(format!(
-                "the table has {} encoded and {} linear values; expected the same number of each, at least 2",
-                encoded.len(),
-                linear.len()
-            ));
-        }
-        for (column, values) in [("encoded", &encoded), ("linear", &linear)] {
-            for (i, pair) in values.windows(2).enumerate() {
-                if pair[0].partial_cmp(&pair[1]) != Some(Ordering::Less) {
-                    return Err(format!(
-                        "{column} value {} at index {} is not above the {} before it; expected strictly rising values",
-                        pair[1],
-                        i + 1,
-                        pair[0]
-                    ));
-                }
-            }
-            let (first, last) = (values[0], values[values.len() - 1]);
-            if (first, last) != (0.0, 1.0) {
-                return Err(format!(
-                    "the {column} values run from {first} to {last}; expected 0 to 1, relative to the display's range"
-                ));
-            }
+        let rises = |values: &[f64]| {
+            let is_whole = values.first() == Some(&0.0) && values.last() == Some(&1.0);
+            is_whole && values.windows(2).all(|pair| pair[0] < pair[1])
+        };
+        if encoded.len() != linear.len() || !rises(&encoded) || !rises(&linear) {
+            let expected = "expected two lists of one length that rise from 0 to 1, relative to the display's range";
+            return Err(format!("encoded and linear are no table; {expected}"));
         }
         Ok(Self { encoded, linear })
     }

@@ -4,6 +4,7 @@
 use super::document::Shown;
 use crate::{
     analysis::{
+        Results,
         counts::MISSING,
         number_of,
         terms::{Term, TermPart},
@@ -14,6 +15,12 @@ use crate::{
 
 /// The parameters of the stimulus that was shown; `None` for a table from elsewhere, whose columns may mean anything.
 pub(crate) type Known = Option<&'static [Parameter]>;
+
+impl From<&Results> for Known {
+    fn from(results: &Results) -> Self {
+        results.options.parameters
+    }
+}
 
 /// A number is shown with at most this many significant digits, so that binary rounding noise does not appear.
 const DIGITS: usize = 12;
@@ -27,17 +34,19 @@ fn is_degrees(parameter: &Parameter) -> bool {
 }
 
 /// Returns the name of a factor in a sentence, such as `orientation`, whose levels are shown with their unit.
-pub(crate) fn factor(known: Known, factor: &str) -> String {
-    parameter(known, factor).map_or_else(|| factor.to_owned(), |parameter| parameter.option().replace('-', " "))
+pub(crate) fn factor(known: impl Into<Known>, factor: &str) -> String {
+    parameter(known.into(), factor).map_or_else(|| factor.to_owned(), |parameter| parameter.option().replace('-', " "))
 }
 
 /// Returns a term in a sentence, such as `width`, or `width × depth` for `width:depth`.
-pub(crate) fn term(known: Known, term: &Term) -> String {
+pub(crate) fn term(known: impl Into<Known>, term: &Term) -> String {
+    let known = known.into();
     term.variables.iter().map(|variable| factor(known, variable.name())).collect::<Vec<_>>().join(" × ")
 }
 
 /// Returns a coefficient, such as `depth ∞` or `width 0.4 × depth 2`.
-pub(crate) fn coefficient(known: Known, parts: &[TermPart]) -> String {
+pub(crate) fn coefficient(known: impl Into<Known>, parts: &[TermPart]) -> String {
+    let known = known.into();
     let part = |TermPart { variable, level: own }: &TermPart| {
         let name = factor(known, variable.name());
         own.as_ref().map_or_else(|| name.clone(), |own| format!("{name} {}", level(known, variable.name(), own)))
@@ -46,13 +55,13 @@ pub(crate) fn coefficient(known: Known, parts: &[TermPart]) -> String {
 }
 
 /// Formats a level, such as `45°`, `∞` or `−0.4`; `(none)` if the value is missing.
-pub(crate) fn level(known: Known, factor: &str, level: &str) -> Shown {
+pub(crate) fn level(known: impl Into<Known>, factor: &str, level: &str) -> Shown {
     rounded_level(known, factor, level, DIGITS)
 }
 
 /// Formats a level as [`level`], with at most this many significant digits behind a point.
-pub(crate) fn rounded_level(known: Known, factor: &str, level: &str, most: usize) -> Shown {
-    let number = number_of(level);
+pub(crate) fn rounded_level(known: impl Into<Known>, factor: &str, level: &str, most: usize) -> Shown {
+    let (known, number) = (known.into(), number_of(level));
     let text = match level {
         "" | MISSING => "(none)".to_owned(),
         "inf" => "∞".to_owned(),
@@ -73,7 +82,8 @@ pub(crate) fn rounded_level(known: Known, factor: &str, level: &str, most: usize
 }
 
 /// Returns the name of a factor as the title of an axis, with its unit.
-pub(crate) fn axis(known: Known, factor: &str) -> String {
+pub(crate) fn axis(known: impl Into<Known>, factor: &str) -> String {
+    let known = known.into();
     match parameter(known, factor).filter(|parameter| MachBand::PARAMETERS.contains(parameter)) {
         Some(Parameter { name: "width", .. }) => "Ramp width (proportion of the window)".to_owned(),
         Some(Parameter { name: "depth", .. }) => "Continuity depth n".to_owned(),
@@ -82,7 +92,8 @@ pub(crate) fn axis(known: Known, factor: &str) -> String {
 }
 
 /// Returns the name of a factor as the heading of a legend, with its unit.
-pub(crate) fn heading(known: Known, name: &str) -> String {
+pub(crate) fn heading(known: impl Into<Known>, name: &str) -> String {
+    let known = known.into();
     match parameter(known, name) {
         Some(parameter) if is_degrees(parameter) => format!("{} (°)", capitalized(&factor(known, name))),
         Some(_) => capitalized(&factor(known, name)),

@@ -73,6 +73,7 @@ pub fn report_files(
 ) -> Result<Contents, StoreError> {
     let predict = || StudyPrediction::of(&study.source, &results.measured.counts);
     let (predicted, mut figures) = rayon::join(predict, || figures::all(results));
+    figures.extend(study.source.protocol.as_ref().and_then(figures::stimulus));
     figures.extend(predicted.iter().flat_map(|predicted| figures::predicted(results, &predicted.ratings)));
     let parts = Parts { figures: &figures, prediction: Some(&predicted), provenance: Some(provenance) };
     page(&document(&study.source, results, parts), &figures, provenance, folder)
@@ -92,7 +93,8 @@ pub fn task_files(
 ) -> Result<Contents, StoreError> {
     let mut contents = csv_files(tasks::tables(study, results));
     if !tables_only {
-        let figures = tasks::figures(study, results);
+        let mut figures = tasks::figures(study, results);
+        figures.extend(study.asked.protocol.as_ref().and_then(figures::stimulus));
         contents.extend(page(
             &tasks::document(study, results, &figures, Some(provenance)),
             &figures,
@@ -121,14 +123,12 @@ fn page(
     folder: &Path,
 ) -> Result<Contents, StoreError> {
     let mut contents = vec![("report.html".to_owned(), skins::html(document, provenance).into_bytes())];
-    let pictures: Result<Vec<_>, StoreError> = figures.par_iter().map(|figure| pictures(figure, folder)).collect();
-    contents.extend(pictures?.into_iter().flatten());
+    let drawn: Result<Vec<_>, StoreError> =
+        figures.par_iter().map(|figure| png(figure, &folder.join(figure.name))).collect();
+    for (Figure { name, svg, .. }, png) in figures.iter().zip(drawn?) {
+        contents.extend([(format!("{name}.svg"), svg.clone().into_bytes()), (format!("{name}.png"), png)]);
+    }
     Ok(contents)
-}
-
-fn pictures(figure: &Figure, folder: &Path) -> Result<[(String, Vec<u8>); 2], StoreError> {
-    let png = png(figure, &folder.join(figure.name))?;
-    Ok([(format!("{}.svg", figure.name), figure.svg.clone().into_bytes()), (format!("{}.png", figure.name), png)])
 }
 
 /// Returns a figure as the content of the PNG file at `path`.
@@ -157,7 +157,7 @@ pub fn table_files(study: &Study, results: &Results) -> Contents {
     model.push(b'\n');
     let mut files = csv_files(tables::all(results));
     files.extend([
-        ("counts.csv".to_owned(), tables::counts_csv(results.modeled(), &study.source.shape)),
+        ("counts.csv".to_owned(), tables::counts(results.modeled(), &study.source.shape).csv()),
         ("model.json".to_owned(), model),
         ("analysis.R".to_owned(), script::script(&study.source.shape, results).into_bytes()),
     ]);

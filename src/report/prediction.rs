@@ -26,19 +26,20 @@ const MAX_CONDITIONS: usize = 5000;
 pub const MAX_PICTURES: usize = 100;
 
 /// A prediction compared with ratings.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Comparison {
+    /// Number of ratings in the conditions that are compared.
+    pub ratings: u64,
+    /// Number of conditions with both a prediction and ratings.
+    pub conditions: usize,
+    /// Number of participants whose ratings it rests on.
+    pub participants: usize,
     /// The thresholds between ratings, estimated by maximum likelihood.
     pub criterion: Criterion,
     /// The approximate 95 % interval of each threshold, from the curvature of the likelihood; `None` if that is not
     /// known.
+    #[serde(rename = "criterion_intervals")]
     pub intervals: [Option<[f64; 2]>; 3],
-    /// Number of participants whose ratings it rests on.
-    pub participants: usize,
-    /// Number of conditions with both a prediction and ratings.
-    pub conditions: usize,
-    /// Number of ratings in these conditions.
-    pub ratings: u64,
     /// Spearman's correlation between the prediction and the mean rating, over conditions.
     pub rank_correlation: Option<f64>,
 }
@@ -157,10 +158,9 @@ fn compare(counts: &Counts, predicted: &[Option<f64>]) -> Result<Comparison, Str
         );
     }
     let ratings = counts.rows.iter().filter(|row| places.binary_search(&row.condition).is_ok()).map(|row| row.count);
-    let means = means_by_subject(counts, places.len(), |row| places.binary_search(&row.condition).ok());
+    let means = means_by_subject(counts, places.len(), |_, condition| places.binary_search(&condition).ok());
     // A participant counts equally, whatever the number of ratings; NaN if nobody rated a condition.
-    let of = |place: usize| mean(means.iter().filter_map(|own| own[place])).unwrap_or(f64::NAN);
-    let means: Vec<f64> = (0..places.len()).map(of).collect();
+    let means: Vec<f64> = means.iter().map(|own| mean(own.values().copied()).unwrap_or(f64::NAN)).collect();
     let (criterion, intervals) = criterion(counts, predicted)?;
     Ok(Comparison {
         criterion,

@@ -3,9 +3,7 @@
 use super::tables::count_columns;
 use crate::{
     analysis::{
-        Model, Note, RandomEffect, Results,
-        counts::Factor,
-        find_factor,
+        Model, RandomEffect, Results, find_factor,
         terms::{Term, Variable},
     },
     store::ratings::Shape,
@@ -15,17 +13,13 @@ use crate::{
 /// Levels that `clmm` needs at least in a grouping factor.
 const FEWEST_PEOPLE: usize = 3;
 
-/// Returns the call that fits the same model in R.
-pub(super) fn call(results: &Results, model: &Model) -> String {
-    let function = if model.random.is_some() { "clmm" } else { "clm" };
-    format!("{function}({}, link = \"{}\")", Names::new(results).formula(results, model), model.link)
-}
-
 /// Writes the script. If there is no model, or R cannot fit it, the script says why and does nothing.
 pub(super) fn script(shape: &Shape, results: &Results) -> String {
     let introduction = format!(
         "# Fits the main model of this analysis again with R, from counts.csv in this folder. Made by machband {}.\n#\n\
-         #   Rscript analysis.R\n#\n# It needs the package ordinal: install.packages(\"ordinal\").\n",
+         #   Rscript analysis.R\n#\n# It needs the package ordinal: install.packages(\"ordinal\"). Numbers are divided by their range,\n\
+         # and those whose names end in _c are about their means, because otherwise clmm may not find the maximum. So\n\
+         # their coefficients and the thresholds differ from those of the report.\n",
         env!("CARGO_PKG_VERSION")
     );
     let nothing =
@@ -37,21 +31,14 @@ pub(super) fn script(shape: &Shape, results: &Results) -> String {
     if model.random.is_some() && model.subjects < FEWEST_PEOPLE {
         return nothing("clmm needs at least three participants");
     }
-    let call = call(results, model).replace(", link", ",\n  data = data, weights = count, link");
-    let data = Names::new(results).data(shape, results, model);
-    let about = if has_numbers(results) {
-        "# Numbers are divided by their range, so their coefficients are over the range; those whose names end in _c are also about\n\
-         # their means, so the thresholds differ from those of the report. Otherwise, clmm may not find the maximum.\n"
-    } else {
-        ""
-    };
-    format!("{introduction}\nlibrary(ordinal)\n\n{data}\n{about}fit <- {call}\nprint(summary(fit))\n")
-}
-
-/// Returns whether the call has numbers, whose unit and origin in R are others.
-pub(super) fn has_numbers(results: &Results) -> bool {
-    let mut variables = results.spec.terms.iter().flat_map(|term| &term.variables);
-    variables.any(|variable| matches!(variable, Variable::Number(_)))
+    let names = Names::new(results);
+    let (data, formula) = (names.data(shape, results, model), names.formula(results, model));
+    let function = if model.random.is_some() { "clmm" } else { "clm" };
+    format!(
+        "{introduction}\nlibrary(ordinal)\n\n{data}\nfit <- {function}({formula},\n  data = data, weights = count, \
+             link = \"{}\")\nprint(summary(fit))\n",
+        model.link
+    )
 }
 
 fn is_centered(results: &Results, term: &Term) -> bool {
@@ -160,7 +147,7 @@ impl<'a> Names<'a> {
             }
             lines.push(match variable {
                 Variable::Factor(_) => {
-                    format!("{name} = factor({cells}, levels = {})", strings(&levels(factor, model)))
+                    format!("{name} = factor({cells}, levels = {})", strings(&factor.levels))
                 }
                 Variable::Number(_) => {
                     centered += &format!(
@@ -173,20 +160,6 @@ impl<'a> Names<'a> {
         }
         text + &format!("data <- droplevels(data.frame(\n  {}\n))\n{centered}", lines.join(",\n  "))
     }
-}
-
-/// Returns the levels of a factor, starting with the baseline of the model.
-fn levels(factor: &Factor, model: &Model) -> Vec<String> {
-    let mut levels = factor.levels.clone();
-    for note in &model.notes {
-        if let Note::Rebased { factor: name, baseline, .. } = note
-            && *name == factor.name
-            && let Some(position) = levels.iter().position(|level| level == baseline)
-        {
-            levels[..=position].rotate_right(1);
-        }
-    }
-    levels
 }
 
 fn strings<S: AsRef<str>>(all: &[S]) -> String {

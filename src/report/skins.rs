@@ -1,6 +1,8 @@
 //! Skins that display the blocks of a document: an HTML page, which is a single file that opens anywhere without a
 //! network, and text for a terminal. The window's skin is in `app/analysis`.
 
+use std::cell::Cell;
+
 use maud::{DOCTYPE, Markup, PreEscaped, html as markup};
 
 use crate::report::{
@@ -20,6 +22,7 @@ const MANY_LINES: usize = 12;
 /// Renders a document as an HTML page.
 pub fn html(document: &Document, provenance: &Provenance) -> String {
     let Document { title, subtitle, sections } = document;
+    let figures = Cell::new(0);
     let page = markup! {
         (DOCTYPE)
         html lang="en" {
@@ -48,9 +51,9 @@ pub fn html(document: &Document, provenance: &Provenance) -> String {
                             h2 { (section.heading) }
                             @for run in section.blocks.chunk_by(|a, b| is_figure(a) && is_figure(b)) {
                                 @if is_figure(&run[0]) {
-                                    div.figures { @for block in run { (block_markup(block)) } }
+                                    div.figures { @for block in run { (block_markup(block, &figures)) } }
                                 } @else {
-                                    (block_markup(&run[0]))
+                                    (block_markup(&run[0], &figures))
                                 }
                             }
                         }
@@ -66,7 +69,8 @@ fn is_figure(block: &Block) -> bool {
     matches!(block, Block::Figure(_))
 }
 
-fn block_markup(block: &Block) -> Markup {
+/// Renders a block; `figures` is the number of the last figure.
+fn block_markup(block: &Block, figures: &Cell<u32>) -> Markup {
     markup! {
         @match block {
             Block::Heading(text) => h3 { (text) },
@@ -76,7 +80,7 @@ fn block_markup(block: &Block) -> Markup {
             Block::List(items) => ul { @for item in items { li { (linked(item)) } } },
             Block::Code(text) => (folded(text.lines().count() > MANY_LINES, "Show", markup! { pre { code { (text) } } })),
             Block::Table(table) => (table_markup(table)),
-            Block::Figure(figure) => (figure_markup(figure)),
+            Block::Figure(figure) => (figure_markup(figure, figures)),
         }
     }
 }
@@ -127,18 +131,20 @@ fn table_markup(table: &TextTable) -> Markup {
     folded(rows.len() > MANY_ROWS, &format!("{caption} – {} rows", rows.len()), body)
 }
 
-fn figure_markup(figure: &Figure) -> Markup {
+fn figure_markup(figure: &Figure, figures: &Cell<u32>) -> Markup {
+    figures.set(figures.get() + 1);
     markup! {
         figure {
             div.scroll { (PreEscaped(&figure.svg)) }
-            figcaption { strong { (figure.title) "." } " " (figure.caption) }
+            figcaption { strong { "Figure " (figures.get()) ". " (figure.title) "." } " " (figure.caption) }
         }
     }
 }
 
 /// Renders a section as HTML without a page around it, for notebooks.
 pub fn fragment(section: &Section) -> String {
-    markup! { @for block in &section.blocks { (block_markup(block)) } }.into_string()
+    let figures = Cell::new(0);
+    markup! { @for block in &section.blocks { (block_markup(block, &figures)) } }.into_string()
 }
 
 /// Renders a section as text with one line per paragraph, which the terminal wraps. Tables and charts are omitted

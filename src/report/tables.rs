@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use crate::{
     analysis::{
         Interaction, Link, Model, ModelReport, Results, TermTest,
-        counts::{CountRow, Counts, Factor, Quartiles},
+        counts::{CountRow, Counts, Factor},
         number_of,
         rank_tests::PMethod,
         results::FactorResults,
@@ -15,7 +15,7 @@ use crate::{
     },
     statistics::Interval,
     store::ratings::Shape,
-    text::{self, Cell, Column, Table},
+    text::{Cell, Column, Table},
 };
 
 fn columns(named: &[(&str, &str)]) -> Vec<Column> {
@@ -117,9 +117,9 @@ fn with_summary<'a, R>(rows: Rows<'a, R>, counts: &Counts, of: impl Fn(&'a R) ->
 }
 
 /// Adds the median response time of each row.
-fn with_times<R>(rows: Rows<'_, R>, of: impl Fn(&R) -> Option<Quartiles>) -> Table {
+fn with_times<R>(rows: Rows<'_, R>, of: impl Fn(&R) -> Option<f64>) -> Table {
     let about = "Median time from the onset of the stimulus to the rating.";
-    rows.column("response_time_median_s", about, |row| of(row).map(|times| times.median)).in_unit("s", 1).table()
+    rows.column("response_time_median_s", about, of).in_unit("s", 1).table()
 }
 
 /// Lists every cell of the design.
@@ -133,7 +133,7 @@ fn cells(results: &Results) -> Table {
 fn by_factor(results: &Results, factor: &FactorResults) -> Table {
     let counts = &results.measured.counts;
     let factors: Vec<Factor> = counts.factors.iter().filter(|known| known.name == factor.name).cloned().collect();
-    let rows: Vec<(&Group, Option<Quartiles>)> = factor.levels.iter().zip(factor.times.iter().copied()).collect();
+    let rows: Vec<(&Group, Option<f64>)> = factor.levels.iter().zip(factor.times.iter().copied()).collect();
     let rows = with_levels(&rows, &factors, |(group, _)| &group.names);
     with_times(with_summary(rows, counts, |(group, _)| &group.summary), |(_, times)| *times)
 }
@@ -144,7 +144,7 @@ fn subjects(results: &Results) -> Table {
     let rows = with_summary(rows, &results.measured.counts, |own| &own.group.summary)
         .column("retests", "Number of conditions that the participant rated at least twice.", |own| own.retests)
         .column("kappa", "Quadratically weighted κ of first and second ratings.", |own| own.kappa);
-    with_times(rows, |own| own.times)
+    with_times(rows, |own| own.time)
 }
 
 /// Lists Friedman's tests, the likelihood-ratio tests and the comparisons of levels. For a single participant, Friedman's
@@ -187,9 +187,7 @@ fn tests(results: &Results) -> Table {
             let numbers = [test.chi_squared, Some(test.df as f64), p, p_corrected];
             rows.push(test_row([name, &test.term.to_string(), "", ""], report.model.nobs, &numbers, "", &note));
         };
-        for (name, tests) in [("likelihood-ratio", &report.terms), ("proportional-odds", &report.proportional_odds)] {
-            tests.iter().for_each(|test| row(name, test, [test.p, test.p_holm], &simulated));
-        }
+        report.terms.iter().for_each(|test| row("likelihood-ratio", test, [test.p, None], &simulated));
         for Interaction { test, by_signs, .. } in &report.interactions {
             let draws = if *by_signs { "patterns of the participants' signs" } else { &simulated };
             row("interaction", test, [None, test.p], draws);
@@ -285,10 +283,9 @@ pub(super) fn count_columns(counts: &Counts, shape: &Shape) -> Vec<Column> {
     apart(columns(&all.collect::<Vec<_>>()), 1..1 + counts.factors.len())
 }
 
-/// Returns the columns and the rows of the sufficient statistic: participant, factors, rating and count. `analyze` can
-/// read this table in place of the files, because the columns of the participant and the response keep their names.
-fn count_rows<'a>(counts: &'a Counts, shape: &Shape) -> (Vec<Column>, impl Iterator<Item = Vec<Cell>> + 'a) {
-    let columns = count_columns(counts, shape);
+/// Lists the sufficient statistic: participant, factors, rating and count. `analyze` can read this table in place of the files,
+/// because the columns of the participant and the response keep their names.
+pub fn counts(counts: &Counts, shape: &Shape) -> Table {
     let conditions: Vec<Vec<Cell>> = (0..counts.conditions.len() as u32)
         .map(|condition| {
             counts.factors.iter().zip(counts.level_names(condition)).map(|(factor, name)| level(factor, name)).collect()
@@ -296,25 +293,13 @@ fn count_rows<'a>(counts: &'a Counts, shape: &Shape) -> (Vec<Column>, impl Itera
         .collect();
     let categories: Vec<Cell> =
         counts.categories.iter().map(|category| Cell::Level(category.clone(), number_of(category))).collect();
-    let rows = counts.rows.iter().map(move |row: &CountRow| {
+    let rows = counts.rows.iter().map(|row: &CountRow| {
         let mut cells = vec![Cell::Text(counts.subjects[row.subject as usize].clone())];
         cells.extend_from_slice(&conditions[row.condition as usize]);
         cells.extend([categories[row.rating as usize].clone(), row.count.into()]);
         cells
     });
-    (columns, rows)
-}
-
-/// Writes the sufficient statistic as CSV. There may be millions of rows, so no [`Table`] is built.
-pub fn counts_csv(counts: &Counts, shape: &Shape) -> Vec<u8> {
-    let (columns, rows) = count_rows(counts, shape);
-    text::csv(columns.iter().map(|column| column.name.as_str()), rows)
-}
-
-/// Lists the sufficient statistic.
-pub fn counts(counts: &Counts, shape: &Shape) -> Table {
-    let (columns, rows) = count_rows(counts, shape);
-    Table::new(columns, rows)
+    Table::new(count_columns(counts, shape), rows)
 }
 
 /// Lists the model's expected ratings in each condition, for a typical participant.
@@ -398,7 +383,6 @@ pub fn model(results: &Results) -> Value {
             let (share, interval) = report.model.share_between();
             value["intraclass_correlation"] = json!({ "estimate": share, "interval": interval });
             value["likelihood_ratio"] = json!(report.terms);
-            value["proportional_odds"] = json!(report.proportional_odds);
             value["interactions"] = json!(report.interactions);
             value["order"] = json!(report.order);
             value["comparisons"] = json!(report.comparisons);

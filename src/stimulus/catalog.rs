@@ -17,7 +17,7 @@ use crate::light::{Bits, CodeImage, LinearImage, Quantizer, Samples};
 use crate::text::names::expected_one_of;
 
 macro_rules! stimuli {
-    ($($(#[$meta:meta])* $name:ident,)*) => {
+    ($($(#[$meta:meta])* $name:ident: $title:literal, $has_bands:literal, $about:literal;)*) => {
         /// Every kind of stimulus, by the name that files and commands use.
         pub const KINDS: &[&str] = &[$($name::KIND,)*];
 
@@ -29,6 +29,9 @@ macro_rules! stimuli {
             /// One of a study's own pictures. It has no defaults, so it is none of the [`KINDS`].
             Image(Picture),
         }
+
+        static ENTRIES: [Entry; KINDS.len()] =
+            [$(Entry { kind: $name::KIND, title: $title, about: $about, has_bands: $has_bands },)*];
 
         $(impl From<$name> for Stimulus {
             fn from(stimulus: $name) -> Self {
@@ -112,20 +115,32 @@ macro_rules! stimuli {
 
 stimuli! {
     /// Two plateaus and the ramp between them, Bangay §3.1.
-    MachBand,
+    MachBand: "Mach band", true,
+        "A ramp between two uniform areas: a bright line appears where it meets the bright area and a dark one where \
+        it meets the dark area, although neither is in the image. Mach 1865; Bangay §3.1.";
     /// Uniform steps.
-    Chevreul,
+    Chevreul: "Chevreul staircase", false,
+        "Uniform bands that look scalloped: each looks brighter next to its darker neighbor and darker next to its \
+        brighter neighbor. Chevreul 1839.";
     /// Two areas of equal luminance with an edge between them.
-    Cornsweet,
+    Cornsweet: "Craik–O'Brien–Cornsweet edge", false,
+        "Two areas of the same luminance; the edge between them makes one look brighter. Cover the edge with a finger \
+        to see that they are equal. Cornsweet 1970.";
     /// Nested squares.
-    Vasarely,
+    Vasarely: "Vasarely's nested squares", false,
+        "Squares of graded luminance whose corners appear to form bright diagonals. Vasarely; Bangay fig. 1 j.";
     /// A triangle suggested only by its corners.
-    Kanizsa,
+    Kanizsa: "Kanizsa triangle", false,
+        "Three notched discs: a triangle seems to lie on top of them, brighter than the background. Kanizsa 1955.";
     /// A mesh drawn by one of the shaders.
-    ShadedMesh,
+    ShadedMesh: "Shaded mesh", true,
+        "A faceted surface that is shaded to look smooth: Gouraud shading produces Mach bands at the edges; other \
+        shaders change the luminance there to avoid them. Gouraud 1971; Bangay §4.";
     /// A faceted cylinder with flat, Gouraud or Phong shading.
     #[serde(rename = "shaded-cylinder")]
-    Cylinder,
+    Cylinder: "Shaded cylinder", true,
+        "A faceted cylinder under flat, Gouraud or Phong shading: the source of Chevreul's scallops and Mach bands in \
+        computer graphics. Bangay fig. 1 c, f.";
 }
 
 impl Default for Stimulus {
@@ -283,54 +298,3 @@ pub fn all() -> &'static [Entry] {
 pub fn entry(kind: &str) -> Option<&'static Entry> {
     ENTRIES.iter().find(|entry| entry.kind == kind)
 }
-
-static ENTRIES: [Entry; KINDS.len()] = [
-    Entry {
-        kind: "mach-band",
-        title: "Mach band",
-        about: "A ramp between two uniform areas: a bright line appears where it meets the bright area and a dark one \
-            where it meets the dark area, although neither is in the image. Mach 1865; Bangay §3.1.",
-        has_bands: true,
-    },
-    Entry {
-        kind: "chevreul",
-        title: "Chevreul staircase",
-        about: "Uniform bands that look scalloped: each looks brighter next to its darker neighbor and darker next to \
-            its brighter neighbor. Chevreul 1839.",
-        has_bands: false,
-    },
-    Entry {
-        kind: "cornsweet",
-        title: "Craik–O'Brien–Cornsweet edge",
-        about: "Two areas of the same luminance; the edge between them makes one look brighter. Cover the edge with a \
-            finger to see that they are equal. Cornsweet 1970.",
-        has_bands: false,
-    },
-    Entry {
-        kind: "vasarely",
-        title: "Vasarely's nested squares",
-        about: "Squares of graded luminance whose corners appear to form bright diagonals. Vasarely; Bangay fig. 1 j.",
-        has_bands: false,
-    },
-    Entry {
-        kind: "kanizsa",
-        title: "Kanizsa triangle",
-        about: "Three notched discs: a triangle seems to lie on top of them, brighter than the background. Kanizsa \
-            1955.",
-        has_bands: false,
-    },
-    Entry {
-        kind: "shaded-mesh",
-        title: "Shaded mesh",
-        about: "A faceted surface that is shaded to look smooth: Gouraud shading produces Mach bands at the edges; \
-            other shaders change the luminance there to avoid them. Gouraud 1971; Bangay §4.",
-        has_bands: true,
-    },
-    Entry {
-        kind: "shaded-cylinder",
-        title: "Shaded cylinder",
-        about: "A faceted cylinder under flat, Gouraud or Phong shading: the source of Chevreul's scallops and Mach \
-            bands in computer graphics. Bangay fig. 1 c, f.",
-        has_bands: true,
-    },
-];

@@ -51,7 +51,7 @@ kind! {
     MachBand = "mach-band" where contradictions {
         width: f64 = 0.4, Range::Within(0.0, 1.0), "1", "Proportion of the window that the ramp fills; 0 is a step", "the proportion of the window that the ramp fills", ["0", "0.05", "0.1", "0.2", "0.4", "0.8"];
         depth: Depth = Depth::Finite(1), Range::Any, "1", "Continuity depth n of the ramp: n − 1 derivatives vanish at its ends; inf is a scaled tanh", "a whole number from 1 to 32, or inf", ["1", "2", "3", "4", "inf"];
-        tanh_k: f64 = TANH_K, Range::UpTo(100.0), "1", "Steepness k of a ramp of infinite depth: 5 as printed; 10 leaves no visible step at the ends", "a steepness above 0 and at most 100, such as 5", ["5", "10"];
+        tanh_k: f64 = TANH_K, Range::Within(1e-3, 100.0), "1", "Steepness k of a ramp of infinite depth: 5 as printed; 10 leaves no visible step at the ends", "a steepness from 0.001 to 100, such as 5", ["5", "10"];
         orientation_deg: f64 = 0.0, Range::Direction, "°", "Orientation, counterclockwise: 0 brightens to the right, 90 upward", "an angle in degrees, such as 45", ["0", "45", "90", "135"];
         low: f64 = 0.25, Range::Within(0.0, 1.0), "1", "Relative luminance of the darker plateau", "the relative luminance of the darker plateau", ["0.1", "0.25"];
         high: f64 = 0.75, Range::Within(0.0, 1.0), "1", "Relative luminance of the brighter plateau", "the relative luminance of the brighter plateau, not below low", ["0.75", "0.9"];

@@ -102,16 +102,17 @@ pub struct ParameterError {
 }
 
 impl ParameterError {
+    pub(super) fn new(parameter: &str, value: impl fmt::Display, problem: impl Into<String>, expected: &str) -> Self {
+        let expected = expected.trim_start_matches("expected ").to_owned();
+        Self { parameter: parameter.to_owned(), value: value.to_string(), problem: problem.into(), expected }
+    }
+
     /// Returns the error for setting `name` to `value` when the kind `kind` has no such parameter, only those in
     /// `known`.
     pub(super) fn unknown(name: &str, value: &ParameterValue, kind: &str, known: &[Parameter]) -> Self {
         let names: Vec<&str> = known.iter().map(|parameter| parameter.name).collect();
-        Self {
-            parameter: name.to_owned(),
-            value: format!("= {value}"),
-            problem: format!("sets a parameter that {kind} does not have"),
-            expected: expected_one_of(name, &names).replacen("expected ", "", 1),
-        }
+        let problem = format!("sets a parameter that {kind} does not have");
+        Self::new(name, format_args!("= {value}"), problem, &expected_one_of(name, &names))
     }
 }
 
@@ -136,12 +137,7 @@ impl Parameter {
 
     /// Returns the error for setting this parameter to `value`.
     pub(super) fn error(&self, value: impl fmt::Display, problem: impl Into<String>) -> ParameterError {
-        ParameterError {
-            parameter: self.name.to_owned(),
-            value: value.to_string(),
-            problem: problem.into(),
-            expected: self.expected.to_owned(),
-        }
+        ParameterError::new(self.name, value, problem, self.expected)
     }
 }
 
@@ -150,8 +146,6 @@ impl Parameter {
 pub(super) enum Range {
     /// Finite numbers from the first to the second.
     Within(f64, f64),
-    /// Numbers above 0 and up to this maximum.
-    UpTo(f64),
     /// A direction in degrees: any finite number. Directions are circular: 350° is near 10°.
     Direction,
     /// Any value of the type.
@@ -174,9 +168,6 @@ fn number(parameter: &Parameter, range: Range, value: &ParameterValue) -> Result
         _ if !number.is_finite() => Err(parameter.error(number, "is not a finite number")),
         Range::Within(least, most) if !(least..=most).contains(number) => {
             Err(parameter.error(number, format!("is outside {least}…{most}")))
-        }
-        Range::UpTo(most) if !(*number > 0.0 && *number <= most) => {
-            Err(parameter.error(number, format!("is not above 0 and at most {most}")))
         }
         _ => Ok(*number),
     }
@@ -209,10 +200,7 @@ impl ParameterType for Depth {
     fn read(parameter: &Parameter, _: Range, value: &ParameterValue) -> Result<Self, ParameterError> {
         let text = value.to_string();
         let shown = if let ParameterValue::Text(text) = value { format!("{text:?}") } else { text.clone() };
-        text.parse().map_err(|error| match error {
-            DepthError::OutOfRange(_) => parameter.error(shown, "is outside 1…32"),
-            DepthError::NotWhole(_) => parameter.error(shown, "is not a whole number"),
-        })
+        text.parse().map_err(|error: DepthError| parameter.error(shown, error.problem))
     }
     fn write(&self) -> ParameterValue {
         match self {

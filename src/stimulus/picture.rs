@@ -6,26 +6,30 @@ use serde::{Deserialize, Serialize, Serializer, ser::SerializeMap as _};
 
 use super::parameter::{Parameter, ParameterError, ParameterValue};
 use crate::{
-    light::{Bits, CodeImage, Dither, LinearImage, Quantizer, Samples, Transfer},
+    light::{Bits, CodeImage, Dither, LinearImage, Quantizer, Samples, Transfer, image::shares},
     text::names::{expected_one_of, named},
 };
 
 named! {
     /// What reaches the screen.
+    #[derive(Default)]
     ShownAs, ShownAsError {
         /// The codes of the file, whatever the display; those of a file with 16 bits are dithered down.
         Codes = "codes",
         /// The light that the file stands for, through the display profile.
+        #[default]
         Display = "display",
     }
 }
 
 named! {
     /// How large a picture is on the screen.
+    #[derive(Default)]
     PictureSize, PictureSizeError {
         /// One pixel of the screen for each pixel of the file.
         Pixels = "pixels",
         /// Its longer side fills the stimulus window, whose size is in degrees.
+        #[default]
         Degrees = "degrees",
     }
 }
@@ -64,7 +68,7 @@ pub struct PictureContent {
 }
 
 /// All pictures of a study.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Gallery {
     /// Which files, as a definition says: a folder, a slash, and a name in which `*` stands for any letters.
@@ -81,20 +85,6 @@ pub struct Gallery {
     pub pictures: Vec<PictureFile>,
     /// Pictures that only a task compares with the others.
     pub references: Vec<PictureFile>,
-}
-
-impl Default for Gallery {
-    fn default() -> Self {
-        Self {
-            files: String::new(),
-            show: ShownAs::Display,
-            size: PictureSize::Degrees,
-            background: 0.5,
-            factors: Vec::new(),
-            pictures: Vec::new(),
-            references: Vec::new(),
-        }
-    }
 }
 
 /// One of a study's own pictures, or before one is chosen, all of them.
@@ -206,12 +196,8 @@ impl Picture {
         if name == Self::PICTURE {
             let found = self.files().position(|picture| picture.file == text);
             let files: Vec<&str> = self.files().map(|picture| picture.file.as_str()).collect();
-            let error = || ParameterError {
-                parameter: name.to_owned(),
-                value: text.clone(),
-                problem: "is not one of the pictures".to_owned(),
-                expected: expected_one_of(&text, &files).replacen("expected ", "", 1),
-            };
+            let problem = "is not one of the pictures";
+            let error = || ParameterError::new(name, &text, problem, &expected_one_of(&text, &files));
             self.chosen = Some(found.ok_or_else(error)?);
             return Ok(());
         }
@@ -222,12 +208,8 @@ impl Picture {
         // A row's 007 may arrive as the number 7.
         let is_it = |level: &ParameterValue| level == value || level.to_string().parse().as_ref() == Ok(value);
         let has = self.gallery.pictures.iter().filter_map(|picture| picture.levels.get(index)).any(is_it);
-        has.then_some(()).ok_or_else(|| ParameterError {
-            parameter: name.to_owned(),
-            value: text,
-            problem: "is not a level of any picture".to_owned(),
-            expected: "a level in the table of pictures".to_owned(),
-        })
+        let problem = "is not a level of any picture";
+        has.then_some(()).ok_or_else(|| ParameterError::new(name, text, problem, "a level in the table of pictures"))
     }
 
     /// Returns the file of the chosen picture, or its level of a factor.
@@ -257,11 +239,7 @@ impl Picture {
         let Some(content) = self.chosen().and_then(|picture| picture.content.as_ref()) else {
             return LinearImage::from_fn(side, side, |_, _| background);
         };
-        let light = match self.gallery.show {
-            ShownAs::Display => content.light.clone(),
-            ShownAs::Codes => content.codes.light(&Transfer::Srgb.into()),
-        };
-        let light = self.sized(light, side);
+        let light = self.sized(self.gallery.show.light(content), side);
         LinearImage::from_fn(side, side, |x, y| {
             inside([light.width, light.height], side, x, y).map_or(background, |[x, y]| light.pixel(x, y))
         })
@@ -274,16 +252,11 @@ impl Picture {
             return quantizer.quantize(&self.linear(side));
         };
         let background = quantizer.codes([self.gallery.background as f32; 3]);
-        let codes = match (self.gallery.show, self.gallery.size) {
-            (ShownAs::Codes, PictureSize::Pixels) => content.codes.clone(),
-            (ShownAs::Codes, PictureSize::Degrees) => {
-                let srgb = Quantizer::new(Transfer::Srgb, Bits::Eight);
-                srgb.quantize(&self.sized(content.codes.light(&Transfer::Srgb.into()), side))
-            }
-            (ShownAs::Display, _) => {
-                let dither = if content.is_fine { Dither::BlueNoise } else { Dither::None };
-                quantizer.quantize_with(&self.sized(content.light.clone(), side), &dither)
-            }
+        let light = self.sized(self.gallery.show.light(content), side);
+        let codes = match self.gallery.show {
+            ShownAs::Codes => Quantizer::new(Transfer::Srgb, Bits::Eight).quantize(&light),
+            ShownAs::Display if content.is_fine => quantizer.quantize_with(&light, &Dither::BlueNoise),
+            ShownAs::Display => quantizer.quantize(&light),
         };
         let pixel = |x, y| {
             let inside = inside([codes.width, codes.height], side, x, y);
@@ -305,6 +278,16 @@ impl Picture {
     }
 }
 
+impl ShownAs {
+    /// Returns the light of a picture; of its codes, that of an sRGB display.
+    fn light(self, content: &PictureContent) -> LinearImage {
+        match self {
+            Self::Codes => content.codes.light(&Transfer::Srgb.into()),
+            Self::Display => content.light.clone(),
+        }
+    }
+}
+
 /// Returns the pixel of a picture of this size at a place of the square in whose middle it is.
 fn inside([width, height]: [u32; 2], side: u32, x: u32, y: u32) -> Option<[u32; 2]> {
     let offset = |n: u32| (i64::from(side) - i64::from(n)).div_euclid(2);
@@ -315,8 +298,8 @@ fn inside([width, height]: [u32; 2], side: u32, x: u32, y: u32) -> Option<[u32; 
 /// Resizes a picture in linear light: every pixel is the mean of the area that it covers; a picture that grows is
 /// interpolated between the centers of its pixels.
 fn resized(image: &LinearImage, width: u32, height: u32) -> LinearImage {
-    let columns: Vec<Vec<(u32, f64)>> = (0..width).map(|x| weights(x, width, image.width)).collect();
-    let rows: Vec<Vec<(u32, f64)>> = (0..height).map(|y| weights(y, height, image.height)).collect();
+    let columns: Vec<Vec<(u32, f64)>> = (0..width).map(|x| shares(x, width, image.width)).collect();
+    let rows: Vec<Vec<(u32, f64)>> = (0..height).map(|y| shares(y, height, image.height)).collect();
     LinearImage::from_fn(width, height, |x, y| {
         let mut sum = [0.0_f64; 3];
         for (row, by) in &rows[y as usize] {
@@ -327,19 +310,4 @@ fn resized(image: &LinearImage, width: u32, height: u32) -> LinearImage {
         }
         sum.map(|light| light as f32)
     })
-}
-
-/// Returns the pixels of a row of `from` pixels, with their weights, that make up pixel `at` of a row of `to` pixels.
-fn weights(at: u32, to: u32, from: u32) -> Vec<(u32, f64)> {
-    let scale = f64::from(from) / f64::from(to);
-    // A triangle as wide as two pixels of the coarser row.
-    let (center, reach) = ((f64::from(at) + 0.5) * scale - 0.5, scale.max(1.0));
-    let range = (center - reach).floor() as i64..=(center + reach).ceil() as i64;
-    let weight = |pixel: i64| {
-        let weight = 1.0 - (pixel as f64 - center).abs() / reach;
-        (weight > 0.0).then_some((pixel.clamp(0, i64::from(from) - 1) as u32, weight))
-    };
-    let all: Vec<(u32, f64)> = range.filter_map(weight).collect();
-    let sum: f64 = all.iter().map(|(_, weight)| weight).sum();
-    all.into_iter().map(|(pixel, weight)| (pixel, weight / sum)).collect()
 }

@@ -78,8 +78,10 @@ impl Judged {
     /// known, or no pixel can be compared.
     ///
     /// # Errors
-    /// Returns a [`VisionError`] if the picture does not have the size of the frame, is too small, or has no light at a
-    /// place.
+    /// Returns a [`VisionError`] if the picture is too small, or has no light at a place.
+    ///
+    /// # Panics
+    /// Panics if the picture does not have the size of the frame.
     pub fn difference(
         &self,
         viewing: &ViewingConditions,
@@ -96,11 +98,11 @@ impl Judged {
         let share: Vec<f64> = distances(mask, width, height, px).iter().map(|away| (away / px).min(1.0)).collect();
         let difference = judge.difference(&viewing.luminances(picture), &smooth, Some(&share))?;
         let map = difference.map();
-        let mut inside: Vec<f64> = map.enlarged();
-        inside = inside.into_iter().zip(mask).filter(|(_, counts)| **counts).map(|(times, _)| times).collect();
+        let mut inside: Vec<f64> =
+            map.enlarged().into_iter().zip(mask).filter(|(_, counts)| **counts).map(|(times, _)| times).collect();
         inside.sort_by(f64::total_cmp);
-        let p95 = inside.get(inside.len().saturating_sub(1) * 95 / 100).copied().unwrap_or_default();
-        Ok(Some(SurfaceDifference { largest: inside.last().copied().unwrap_or_default(), p95, map }))
+        let most = inside.len() - 1;
+        Ok(Some(SurfaceDifference { largest: inside[most], p95: inside[most * 95 / 100], map }))
     }
 
     /// Returns how far `picture` is from the smooth surface; `None` if the surface is not known, or no pixel can be

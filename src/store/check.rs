@@ -1,6 +1,9 @@
 //! Identifies the type of a file and finds every error in it, not only the first.
 
-use std::{collections::BTreeSet, path::Path};
+use std::{
+    collections::{BTreeSet, HashMap},
+    path::Path,
+};
 
 use super::{
     FileError, FileErrors, StoreError,
@@ -13,13 +16,11 @@ use super::{
     recorded::{Order, Recorded},
     results,
     scene::{self, SceneFile},
-    session::seal,
-    sidecar::Sidecar,
     toml::Document,
 };
 use crate::{
     display::DisplayProfile,
-    experiment::{Identity, Protocol, Schedule, columns_by_header},
+    experiment::{Identity, OrderedLogit, Protocol, Schedule, VisionRater, columns_by_header},
     shading::Composition,
     system::{fonts, found},
 };
@@ -61,7 +62,10 @@ pub fn check_large(name_or_path: impl AsRef<Path>, pixels: u64) -> Result<Checke
         return check_definition(definition::open(path)?);
     }
     let checked = match path.extension().and_then(|extension| extension.to_str()) {
-        Some("csv") if name.ends_with(FRAMES_SUFFIX) => check_frames(path)?.into(),
+        // Those of its session are compared with their seal where its rows are.
+        Some("csv") if name.ends_with(FRAMES_SUFFIX) && exists(path)? => {
+            "frames of a session, which are checked with its result file".to_owned().into()
+        }
         Some("csv") => match column_names(path) {
             Ok(names) if names.first().is_some_and(|name| name == "channel") => {
                 let readings = readings::open(path)?;
@@ -105,11 +109,11 @@ fn check_toml(path: &Path, file: &str, text: &str) -> Result<Checked, StoreError
         return Ok(Checked { sentence, profile: Some(profile), warning: None });
     }
     if document.has("spread") {
-        observer::parse_vision(file, text)?;
+        observer::parse::<VisionRater>(file, text)?;
         return Ok("parameters of the vision observer".to_owned().into());
     }
     if document.has("thresholds") {
-        observer::parse(file, text)?;
+        observer::parse::<OrderedLogit>(file, text)?;
         return Ok("parameters of the ordered-logit observer".to_owned().into());
     }
     check_definition(definition::parse(file, text)?)
@@ -154,8 +158,10 @@ fn check_results(path: &Path) -> Result<Checked, StoreError> {
     let header = content.split(|byte| *byte == b'\n').next().unwrap_or_default();
     let columns = columns_by_header(String::from_utf8_lossy(header).trim_end().split(','));
     let rows = results::parse(&path.display().to_string(), &content, &columns)?;
-    let (mut errors, mut order) = (Vec::new(), Order::new(false, usize::MAX));
+    let (mut errors, mut orders) = (Vec::new(), HashMap::new());
     for (row, line) in rows.iter().zip(2..) {
+        let session = (&row.subject_id, &row.session_id);
+        let order = orders.entry(session).or_insert_with(|| Order::new(false, usize::MAX));
         errors.extend(order.add(row).into_iter().map(|message| FileError::at(path, (line, 1), message)));
     }
     FileErrors::none(errors)?;
@@ -177,20 +183,4 @@ fn check_session(path: &Path) -> Result<Checked, StoreError> {
     let ((rated, planned), rows, name) = (session.rated(), session.rows.len(), &session.protocol.name);
     let sentence = format!("result file: {rows} rows; {rated} of {planned} planned trials of {name} rated");
     Ok(Checked { warning: interruption.map(|found| found.message), ..sentence.into() })
-}
-
-/// Checks the frames file of a session against the seals in its sidecar.
-fn check_frames(path: &Path) -> Result<String, StoreError> {
-    if !exists(path)? {
-        return Err(FileErrors::whole(path, "does not exist; expected the frames file of a session").into());
-    }
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let csv = path.with_file_name(format!("{}{}", name.trim_end_matches(FRAMES_SUFFIX), dataset::DATA_FILE));
-    let Some(sidecar) = Sidecar::read(&csv.with_extension("json"))?.filter(Sidecar::is_sealed) else {
-        return Ok("frames of a session; they were not checked because they have no seal".to_owned());
-    };
-    let mut errors = seal::errors(&csv, &sidecar)?;
-    errors.retain(|error| error.file == path.display().to_string());
-    FileErrors::none(errors)?;
-    Ok("frames of a session, as it wrote them".to_owned())
 }

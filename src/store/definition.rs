@@ -15,7 +15,7 @@ use super::{
 use crate::{
     experiment::{
         Category, Definition, DefinitionError, DefinitionErrors, Design, Factor, ParticipantFields, Plan, Presentation,
-        Protocol, Recovery, ResponseScale, SessionRules, Texts, ViewingPlan, default_key,
+        Protocol, Recovery, ResponseScale, SessionRules, Texts, ViewingPlan,
         task::{Adaptive, Common, Method, OptionReader as _, Task},
     },
     stimulus::{
@@ -231,6 +231,10 @@ impl Written {
             "unnamed".to_owned()
         });
         let task = self.task.map(|table| task(table, &mut errors)).unwrap_or_default();
+        // A recorded scale has the keys that its labels would have.
+        if !is_recorded && task.dial().is_some() && self.response.keys.take().is_some() {
+            errors.add("response.keys", "participants set a value; expected no keys");
+        }
         let response = scale(self.response, task.scale(), &mut errors);
         let mut instructions = self.instructions;
         task.instruct(&mut instructions, &response);
@@ -268,6 +272,11 @@ impl Written {
             match path.as_str() {
                 "task" | "task.kind" => unknown.extend(["task", "adaptive", "response"]),
                 "adaptive" | "adaptive.method" => unknown.push("adaptive"),
+                // Pictures bring their factors.
+                "stimulus" | "stimulus.files" => {
+                    unknown.push("factors");
+                    unread.extend(["design.order", "task.along"].map(str::to_owned));
+                }
                 _ => {}
             }
         }
@@ -413,18 +422,14 @@ fn adaptive(mut table: Map<String, Value>, errors: &mut DefinitionErrors) -> Ada
 }
 
 fn scale(written: WrittenScale, default_scale: ResponseScale, errors: &mut DefinitionErrors) -> ResponseScale {
-    let own: Vec<char> = default_scale.categories.iter().map(|category| category.key).collect();
-    let labels = default_scale.categories.into_iter().map(|category| category.label).collect();
-    let labels: Vec<String> = written.labels.unwrap_or(labels);
+    let labels = written
+        .labels
+        .unwrap_or_else(|| default_scale.categories.iter().map(|category| category.label.clone()).collect());
     let count = labels.len();
-    let default = |rating: usize| {
-        own.get(rating).copied().filter(|_| own.len() == count).or_else(|| default_key(rating)).unwrap_or(' ')
-    };
+    let default = |answer| default_scale.default_key(answer, count).unwrap_or(' ');
     let keys = written.keys.unwrap_or_else(|| (0..count).map(default).collect());
     if keys.len() != count {
-        let expected =
-            if count == 0 { "none, because participants set a value" } else { &format!("{count}, one for each label") };
-        let message = format!("response.keys has length {}; expected {expected}", keys.len());
+        let message = format!("response.keys has length {}; expected {count}, one for each label", keys.len());
         errors.add("response.keys", message);
     }
     // A missing key has already been reported; its digit stands in for it.

@@ -36,8 +36,8 @@ pub enum Typed {
 }
 
 impl Draft {
-    /// The options of a task that decide how many images a trial shows, and where. Its texts say so.
-    pub const ARRANGES: [&str; 2] = ["task.shown", "task.alternatives"];
+    /// The options of a task that decide how many images a trial shows, and where, or how it is answered. Its texts say so.
+    pub const ARRANGES: [&str; 3] = ["task.shown", "task.alternatives", "task.scale"];
 
     /// Reads a definition; `file` is its path, or identifies it in messages. It may contain errors, which [`Draft::check`] reports.
     ///
@@ -104,8 +104,8 @@ impl Draft {
         self.put(key, flag.into());
     }
 
-    /// Changes a value. Its table is added if it is missing. If a trial then shows other images, the texts about the old
-    /// ones are removed.
+    /// Changes a value. Its table is added if it is missing. If a trial then shows other images or is answered in another
+    /// way, the texts about the old ones are removed.
     pub fn set(&mut self, key: &str, text: &str, typed: Typed) {
         if Self::ARRANGES.contains(&key) {
             self.remove_task_texts();

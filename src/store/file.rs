@@ -334,7 +334,7 @@ pub(super) fn exists(path: &Path) -> Result<bool, StoreError> {
 /// The whole content is also kept in memory, so that nothing is lost if the disk fails or disappears: the next call
 /// retries, and [`AppendFile::continue_in`] continues in a different location.
 #[derive(Debug)]
-pub(super) struct AppendFile {
+pub struct AppendFile {
     path: PathBuf,
     /// The open file; `None` until the first write.
     file: Option<File>,
@@ -343,7 +343,10 @@ pub(super) struct AppendFile {
     written: usize,
     /// The beginning of a line that was not written completely. The next write removes it.
     partial_line: Option<String>,
-    /// True if rows are on disk when [`AppendFile::append`] returns. If false, a power failure may lose the last rows.
+    /// Number of bytes of the header.
+    header: usize,
+    /// True if rows are on disk when [`AppendFile::append`] returns. If false, the file is created with its first row, and a power
+    /// failure may lose the last rows, because nothing waits for the disk.
     durable: bool,
     /// True if the open file is locked.
     locked: bool,
@@ -351,8 +354,9 @@ pub(super) struct AppendFile {
 
 impl AppendFile {
     /// Prepares a new file. The first write creates it, and never touches an existing file.
-    pub fn new(path: &Path, durable: bool, content: Vec<u8>) -> Self {
-        Self { path: path.to_owned(), file: None, content, written: 0, partial_line: None, durable, locked: false }
+    pub(super) fn new(path: &Path, durable: bool, content: Vec<u8>) -> Self {
+        let (path, header) = (path.to_owned(), content.len());
+        Self { path, file: None, content, written: 0, partial_line: None, header, durable, locked: false }
     }
 
     /// Opens, locks and reads a file. The file is not changed until the next write; if it has no complete line yet,
@@ -360,15 +364,15 @@ impl AppendFile {
     ///
     /// # Errors
     /// [`StoreError::InUse`]; I/O errors; or the file has no complete line and does not begin with `header`.
-    pub fn open(path: &Path, durable: bool, header: Vec<u8>, most: u64) -> Result<Self, StoreError> {
+    pub(super) fn open(path: &Path, durable: bool, header: Vec<u8>, most: u64) -> Result<Self, StoreError> {
         let mut file = OpenOptions::new().read(true).write(true).open(path).map_err(io(path, "open"))?;
         file.metadata().and_then(|found| is_data(&found)).map_err(io(path, "open"))?;
         let locked = lock(&file, path)?;
         let content = read_at_most(&mut file, most).map_err(io(path, "read"))?;
         let (whole, partial_line) = split_partial_line(content);
-        let written = whole.len();
-        let content = complete_lines_or_header(path, whole, partial_line.as_deref(), header)?;
-        Ok(Self { path: path.to_owned(), file: Some(file), written, content, partial_line, durable, locked })
+        let (path, written, header_len) = (path.to_owned(), whole.len(), header.len());
+        let content = complete_lines_or_header(&path, whole, partial_line.as_deref(), header)?;
+        Ok(Self { path, file: Some(file), written, content, partial_line, header: header_len, durable, locked })
     }
 
     /// Returns the path of the file, which may not exist yet.
@@ -379,6 +383,11 @@ impl AppendFile {
     /// Returns everything that belongs in the file, in complete lines.
     pub fn content(&self) -> &[u8] {
         &self.content
+    }
+
+    /// True if there are no rows.
+    pub fn is_empty(&self) -> bool {
+        self.content.len() <= self.header
     }
 
     /// Returns the beginning of an incomplete line, if the file ended with one when it was opened.
@@ -406,6 +415,9 @@ impl AppendFile {
     /// [`StoreError::Exists`] if a new file would replace an existing one; [`StoreError::Changed`] if the file is no
     /// longer the one that was written; I/O errors.
     pub fn flush(&mut self) -> Result<(), StoreError> {
+        if !self.durable && self.is_empty() {
+            return Ok(());
+        }
         if self.file.is_some() {
             return self.write();
         }
@@ -463,11 +475,12 @@ impl AppendFile {
         }
     }
 
-    /// Waits until everything in the file is on disk.
+    /// Writes everything that is not in the file yet, and waits until it is on disk.
     ///
     /// # Errors
     /// I/O errors.
-    pub fn sync(&self) -> Result<(), StoreError> {
+    pub fn sync(&mut self) -> Result<(), StoreError> {
+        self.flush()?;
         let synced = self.file.as_ref().map_or(Ok(()), File::sync_data);
         synced.map_err(io(&self.path, "sync"))
     }
@@ -483,6 +496,7 @@ impl AppendFile {
     /// The new location cannot be written. In that case, the old one stays in use.
     pub fn continue_in(&mut self, path: &Path) -> Result<(), StoreError> {
         let mut moved = Self::new(path, self.durable, self.content.clone());
+        moved.header = self.header;
         moved.flush()?;
         *self = moved;
         Ok(())

@@ -1,20 +1,14 @@
 //! The images of a definition's conditions, and their manifest. An interrupted run can be repeated: images that are intact
 //! are not written again.
 
-use std::{
-    collections::HashMap,
-    fs::{self, File, OpenOptions},
-    io::{Seek as _, Write as _},
-    path::{Path, PathBuf},
-    sync::{Mutex, PoisonError},
-};
+use std::path::{Path, PathBuf};
 
 use super::{
     FileErrors, StoreError, Writer,
     error::{NotData, io},
-    file::{ABANDONED, exists, lock, read_existing, remove_temporary, sha256, sync_folder},
+    file::{ABANDONED, exists, read_bytes, read_existing, remove_temporary, sha256, sync_folder},
     image,
-    open::{read_at_most, read_regular},
+    open::read_regular,
     table,
 };
 use crate::{
@@ -28,12 +22,13 @@ use crate::{
 const MANIFEST: &str = "manifest.csv";
 /// Maximum size of a list of images in bytes: 100,000 lines of 300 bytes.
 const MAX_LIST: u64 = 64 << 20;
+/// Maximum size of an image in bytes; more than the largest stimulus needs without compression.
+const MAX_IMAGE: u64 = 2 << 30;
 
 /// Maximum length of a file name without its extension.
 const MAX_NAME: usize = 120;
 
-/// A folder of images in progress. Until all images exist, each shard lists its own images in a file, one line per
-/// image.
+/// A folder of images in progress.
 #[derive(Debug)]
 pub struct Manifest<'a> {
     writer: &'a Writer,
@@ -42,9 +37,6 @@ pub struct Manifest<'a> {
     header: Vec<String>,
     /// File name and factor levels of each image.
     rows: Vec<(String, Vec<String>)>,
-    shards: usize,
-    list: PathBuf,
-    file: Mutex<File>,
     /// Indices of the images to make.
     pub own: Vec<usize>,
 }
@@ -53,9 +45,8 @@ impl<'a> Manifest<'a> {
     /// Opens or creates a folder for shard `index` of `shards`, counted from 1.
     ///
     /// # Errors
-    /// The same errors as [`Writer::write`]: a file that is neither one of these images nor a list of them is replaced
-    /// only by a writer that may do so. Another run is making the images of this shard. A list or an image cannot be
-    /// read.
+    /// The same errors as [`Writer::write`]: a file that is neither one of these images nor the list of them is replaced
+    /// only by a writer that may do so. A list or an image cannot be read.
     pub fn open(
         writer: &'a Writer,
         folder: &Path,
@@ -76,30 +67,49 @@ impl<'a> Manifest<'a> {
         let rows: Vec<_> = conditions.iter().enumerate().map(row).collect();
         let header = ["file", "sha256"].into_iter().chain(names.iter().copied()).chain(["bits", "transfer", "dither"]);
         let header: Vec<String> = header.map(str::to_owned).collect();
-        let (list, whole) = (folder.join(list_name(index, shards)), folder.join(MANIFEST));
-        let own: Vec<usize> = (index - 1..rows.len()).step_by(shards).collect();
+        let own = (index - 1..rows.len()).step_by(shards).collect();
+        let manifest = Self { writer, folder: folder.to_owned(), recipes, header, rows, own };
+        let list = folder.join(MANIFEST);
         let mut foreign = Vec::new();
-        let names_of_whole = String::from_utf8_lossy(&table::line(&header)).into_owned();
-        for (path, names) in [(&whole, &*names_of_whole), (&list, "")] {
-            let Some(text) = text_of(path)? else { continue };
-            if !text.strip_prefix(names).is_some_and(|lines| are_ours(lines, &rows, recipes)) {
-                foreign.push(path.clone());
-            }
+        if read_existing(&list, MAX_LIST)?.is_some_and(|text| !manifest.is_own_list(&text)) {
+            foreign.push(list);
         }
-        for &i in &own {
-            let path = folder.join(&rows[i].0);
+        for &i in &manifest.own {
+            let path = manifest.path(i);
             // Asked first: another run may make the image at any moment, and does so as a whole.
-            if exists(&path)?
-                && image::recipe_text(&path).map_err(io(&path, "read"))? != Some(image::describe(&recipes[i]))
-            {
+            if exists(&path)? && !manifest.is_made(i)? {
                 foreign.push(path);
             }
         }
         writer.check(foreign.iter().map(PathBuf::as_path))?;
-        let file = locked(writer, &list)?;
-        file.set_len(0).map_err(io(&list, "write"))?;
-        let (folder, file) = (folder.to_owned(), Mutex::new(file));
-        Ok(Self { writer, folder, recipes, header, rows, shards, list, file, own })
+        Ok(manifest)
+    }
+
+    fn path(&self, i: usize) -> PathBuf {
+        self.folder.join(&self.rows[i].0)
+    }
+
+    /// Returns whether the file of image `i` says that it is this image.
+    fn is_made(&self, i: usize) -> Result<bool, StoreError> {
+        let path = self.path(i);
+        Ok(image::recipe_text(&path).map_err(io(&path, "read"))? == Some(image::describe(&self.recipes[i])))
+    }
+
+    /// Returns the line of image `i` with this hash.
+    fn line(&self, i: usize, hash: &str) -> Vec<u8> {
+        let (Recipe { bits, transfers, dither, .. }, (file, levels)) = (&self.recipes[i], &self.rows[i]);
+        let image = [bits.to_string(), transfers.to_string(), dither.to_string()];
+        table::line([file.as_str(), hash].into_iter().chain(levels.iter().chain(&image).map(String::as_str)))
+    }
+
+    /// Returns whether a text lists these images, whatever their hashes.
+    fn is_own_list(&self, text: &[u8]) -> bool {
+        let mut lines = text.split_inclusive(|byte| *byte == b'\n');
+        let is_line = |(i, line): (usize, &[u8])| {
+            let hash = line.split(|byte| *byte == b',').nth(1).unwrap_or_default();
+            i < self.rows.len() && line == self.line(i, &String::from_utf8_lossy(hash))
+        };
+        lines.next() == Some(&table::line(&self.header)) && lines.enumerate().all(is_line)
     }
 
     /// Makes image `i`, and returns whether it was not there yet.
@@ -107,120 +117,43 @@ impl<'a> Manifest<'a> {
     /// # Errors
     /// The same errors as [`Writer::write`].
     pub fn make(&self, i: usize, quantizer: &Quantizer) -> Result<bool, StoreError> {
-        let path = self.folder.join(&self.rows[i].0);
-        let bytes = image::recipe_png(&path, &self.recipes[i], quantizer)?;
-        let found = content(&path, bytes.len())?;
-        let is_new = found.as_ref() != Some(&bytes);
-        if is_new {
-            match self.writer.put(&path, &bytes) {
-                // A run that divides the work differently made it a moment ago.
-                Err(StoreError::Occupied(_))
-                    if found.is_none() && content(&path, bytes.len())?.as_ref() == Some(&bytes) => {}
-                Err(StoreError::Occupied(_)) if found.is_none() => return Err(in_use(&path)),
-                put => put?,
-            }
+        let path = self.path(i);
+        let bytes = image::recipe_png(&path, &self.recipes[i], quantizer, image::Finish::Codes)?;
+        let is_there = || Ok::<bool, StoreError>(content(&path, bytes.len())?.as_ref() == Some(&bytes));
+        if is_there()? {
+            return Ok(false);
         }
-        let line = line(&self.rows[i], &sha256(&bytes), &self.recipes[i]);
-        // A panic on another thread leaves the file valid. Because each line is a single write, only the last line of a
-        // killed run can be incomplete.
-        let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
-        file.write_all(&line).map_err(io(&self.list, "write"))?;
-        Ok(is_new)
+        match self.writer.put(&path, &bytes) {
+            // Another run made it a moment ago.
+            Err(StoreError::Occupied(_)) if is_there()? => Ok(true),
+            put => put.map(|()| true),
+        }
     }
 
-    /// If every image exists, joins the lists of all shards into `manifest.csv`. Returns whether it lists every image.
+    /// Writes `manifest.csv` if every image exists, and returns whether it does. A writer that replaces files leaves images
+    /// of other shards that are still to be replaced.
     ///
     /// # Errors
-    /// A list cannot be read; the same errors as [`Writer::write`].
-    pub fn finish(self) -> Result<bool, StoreError> {
+    /// An image cannot be read, or is another one than this command makes; the same errors as [`Writer::write`].
+    pub fn finish(&self) -> Result<bool, StoreError> {
+        let list = self.folder.join(MANIFEST);
         // Syncing the folder once for all images is much faster than once per image.
-        sync_folder(&self.list)?;
-        let mut file = self.file.into_inner().unwrap_or_else(PoisonError::into_inner);
-        let own = file.rewind().and_then(|()| read_at_most(&mut file, MAX_LIST)).map_err(io(&self.list, "read"))?;
-        let lists: Vec<PathBuf> =
-            (1..=self.shards).map(|index| self.folder.join(list_name(index, self.shards))).collect();
-        let mut texts = vec![String::from_utf8_lossy(&own).into_owned()];
-        for list in lists.iter().filter(|list| **list != self.list) {
-            let Some(text) = text_of(list)? else { continue };
-            if !are_ours(&text, &self.rows, self.recipes) {
-                let message = "lists other images than this command makes; expected every shard to be made with the same definition and options";
-                return Err(FileErrors::whole(list, message).into());
-            }
-            texts.push(text);
-        }
-        // Each line begins with its image's number, so sorting restores the order. A line that another shard is still
-        // writing has no line end yet and is skipped.
-        let mut lines: Vec<&str> = texts.iter().flat_map(|text| text.split_inclusive('\n')).collect();
-        lines.retain(|line| line.ends_with('\n'));
-        lines.sort_unstable();
-        let (path, header) = (self.folder.join(MANIFEST), table::line(&self.header));
-        if is_whole(&lines, &self.rows, self.recipes) {
-            // The runs of other shards may have had another definition or other options.
-            for ((file, _), recipe) in self.rows.iter().zip(self.recipes).filter(|_| self.shards > 1) {
-                let path = self.folder.join(file);
-                if image::recipe_text(&path).map_err(io(&path, "read"))? != Some(image::describe(recipe)) {
-                    let message = "is another image than this command makes; expected every shard to be made with the same definition and options";
-                    return Err(FileErrors::whole(path, message).into());
-                }
-            }
-            self.writer.replacing().write(&path, &[header, lines.concat().into_bytes()].concat())?;
-        } else {
-            // Another shard may have joined the lists, this one's too, and removed them.
-            let joined = text_of(&path)?.unwrap_or_default();
-            let joined: Vec<&str> = joined.split_inclusive('\n').skip(1).collect();
-            if !is_whole(&joined, &self.rows, self.recipes) {
+        sync_folder(&list)?;
+        let mut lines = vec![table::line(&self.header)];
+        for i in 0..self.rows.len() {
+            let path = self.path(i);
+            if !exists(&path)? {
                 return Ok(false);
             }
+            if !self.is_made(i)? {
+                let message = "is another image than this command makes; expected every shard to be made with the same definition and options";
+                return if self.writer.force { Ok(false) } else { Err(FileErrors::whole(path, message).into()) };
+            }
+            lines.push(self.line(i, &sha256(&read_bytes(&path, MAX_IMAGE, "an image")?)));
         }
-        for list in lists {
-            // A leftover file does no harm.
-            let _ = fs::remove_file(list);
-        }
+        self.writer.replacing().write(&list, &lines.concat())?;
         Ok(true)
     }
-}
-
-/// Returns whether the lines of a list are those of all images, one each.
-fn is_whole(lines: &[&str], rows: &[(String, Vec<String>)], recipes: &[Recipe]) -> bool {
-    let is_of = |((text, row), recipe): ((&&str, _), _)| {
-        text.split(',').nth(1).is_some_and(|hash| text.as_bytes() == line(row, hash, recipe))
-    };
-    lines.len() == rows.len() && lines.iter().zip(rows).zip(recipes).all(is_of)
-}
-
-/// Opens a shard's list and locks it for as long as it is open.
-fn locked(writer: &Writer, list: &Path) -> Result<File, StoreError> {
-    writer.replacing().check([list])?;
-    let file =
-        OpenOptions::new().read(true).write(true).create(true).truncate(false).open(list).map_err(io(list, "open"))?;
-    match lock(&file, list) {
-        Err(StoreError::InUse(path)) => Err(in_use(&path)),
-        locked => locked.map(|_| file),
-    }
-}
-
-fn in_use(path: &Path) -> StoreError {
-    let what = "another run is making these images; expected it to end first: wait, and run the command again";
-    FileErrors::whole(path, what).into()
-}
-
-/// Returns whether the lines of a list are those of images. A line that someone changed is not one of ours.
-fn are_ours(lines: &str, rows: &[(String, Vec<String>)], recipes: &[Recipe]) -> bool {
-    let images: HashMap<&str, _> = rows.iter().zip(recipes).map(|image| (&*image.0.0, image)).collect();
-    let is_ours = |text: &str| {
-        let mut cells = text.split(',');
-        let image = cells.next().and_then(|name| images.get(name));
-        image.zip(cells.next()).is_some_and(|((row, recipe), hash)| line(row, hash, recipe) == text.as_bytes())
-    };
-    // The last line of a killed run can be incomplete.
-    lines.split_inclusive('\n').filter(|line| line.ends_with('\n')).all(is_ours)
-}
-
-/// Returns the text of a list of images; `None` if there is none.
-fn text_of(path: &Path) -> Result<Option<String>, StoreError> {
-    let bytes = read_existing(path, MAX_LIST)?;
-    // What is not text lists nothing of ours.
-    Ok(bytes.map(|bytes| String::from_utf8(bytes).unwrap_or_else(|_| "\u{fffd}\n".to_owned())))
 }
 
 /// Returns the content of an image of at most `most` bytes, or nothing for a larger file; `None` if there is no file.
@@ -229,11 +162,6 @@ fn content(path: &Path, most: usize) -> Result<Option<Vec<u8>>, StoreError> {
         Err(error) if matches!(NotData::of(&error), Some(NotData::TooLarge { .. })) => Ok(Some(Vec::new())),
         content => content.map_err(io(path, "read")),
     }
-}
-
-fn line((file, levels): &(String, Vec<String>), hash: &str, recipe: &Recipe) -> Vec<u8> {
-    let image = [recipe.bits.to_string(), recipe.transfers.to_string(), recipe.dither.to_string()];
-    table::line([file.as_str(), hash].into_iter().chain(levels.iter().chain(&image).map(String::as_str)))
 }
 
 /// Returns a file name such as `007_width-0.02_depth-1.png`. The number makes it unique; the levels are meant for
@@ -251,8 +179,4 @@ pub(super) fn labeled<'a>(mut name: String, levels: impl Iterator<Item = (&'a st
     }
     name.truncate(most);
     name
-}
-
-fn list_name(index: usize, shards: usize) -> String {
-    format!("manifest-{index}-of-{shards}.csv")
 }

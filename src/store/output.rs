@@ -23,7 +23,7 @@ use crate::system::{found, identified};
 #[derive(Clone, Debug, Default)]
 pub struct Writer {
     inputs: Vec<PathBuf>,
-    force: bool,
+    pub(super) force: bool,
 }
 
 impl Writer {

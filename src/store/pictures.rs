@@ -1,7 +1,7 @@
 //! The pictures that a study brings itself: files beside its definition, and a table of their levels.
 
 use std::{
-    cell::{Cell, RefCell},
+    cell::RefCell,
     collections::HashMap,
     path::{Path, PathBuf},
     sync::Arc,
@@ -149,19 +149,17 @@ fn levels(folder: &Path, pattern: &str) -> Result<Levels, StoreError> {
     let fail = |message: String| StoreError::from(FileErrors::whole(&path, message));
     let (file, text) = (path.display().to_string(), read_text(&path)?);
     let separator = separator(text.lines().next().unwrap_or_default().as_bytes());
-    let (place, others) = (Cell::new(0), RefCell::new(Vec::new()));
-    let header = |names: &[&str]| {
-        let mut names: Vec<String> = names.iter().map(|name| name.trim().to_owned()).collect();
-        let at = names.iter().position(|name| name == FILE);
-        place.set(at.ok_or_else(|| (0, format!("has no column {FILE:?}; expected the name of each picture in it")))?);
-        names.remove(place.get());
-        others.replace(names);
-        Ok(())
+    let names: RefCell<Vec<String>> = RefCell::default();
+    let place = || names.borrow().iter().position(|name| name == FILE);
+    let header = |found: &[&str]| {
+        names.replace(found.iter().map(|name| name.trim().to_owned()).collect());
+        let missing = || (0, format!("has no column {FILE:?}; expected the name of each picture in it"));
+        place().map(drop).ok_or_else(missing)
     };
     let mut levels = HashMap::new();
     table::parse(&file, text.as_bytes(), separator, header, |cells, _| {
         let mut cells: Vec<String> = cells.iter().map(|cell| with_point(cell.trim(), separator).into_owned()).collect();
-        let name = cells.remove(place.get());
+        let name = cells.remove(place().unwrap_or_default());
         // Another pattern may match the file.
         let picture = found(&path.with_file_name(&name))
             .map_err(|error| (0, format!("{name:?} cannot be accessed: {error}; expected a picture for each row")))?;
@@ -173,16 +171,20 @@ fn levels(folder: &Path, pattern: &str) -> Result<Levels, StoreError> {
             None => Ok(()),
         }
     })?;
-    let names = others.into_inner();
-    if let Some(name) = names.iter().find(|name| *name == Picture::PICTURE || is_reserved(name)) {
-        return Err(fail(format!("the column {name} has the name of a column of the data; expected another name")));
-    }
-    if let Some((_, name)) = names.iter().enumerate().find(|(at, name)| names[..*at].contains(name)) {
-        return Err(fail(format!("two columns are named {name}; expected a different name for each")));
-    }
-    let reserved = |name: &&String| name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-    if let Some(name) = names.iter().find(reserved) {
-        return Err(fail(format!("the column {name:?} is not the name of a factor; expected letters, digits and _")));
+    let at = place().unwrap_or_default();
+    let mut names = names.into_inner();
+    names.remove(at);
+    for (at, name) in names.iter().enumerate() {
+        let problem = if *name == Picture::PICTURE || is_reserved(name) {
+            "has the name of a column of the data"
+        } else if names[..at].contains(name) {
+            "appears twice"
+        } else if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {
+            "has other characters than letters, digits and _"
+        } else {
+            continue;
+        };
+        return Err(fail(format!("the column {name:?} {problem}; expected another name")));
     }
     // A number is one only if nothing is lost: 007 and 7, or 1 and 1.0, are different levels.
     let number =

@@ -182,10 +182,8 @@ fn transfers(form: &ProfileForm, document: &mut Document<'_>) -> Transfers {
         };
         return transfer("transfer", text, &form.encoded, &form.linear, document);
     };
-    for (key, is_present) in
-        [("transfer", form.transfer.is_some()), ("encoded", form.encoded.is_some()), ("linear", form.linear.is_some())]
-    {
-        if is_present {
+    for key in ["transfer", "encoded", "linear"] {
+        if document.has(key) {
             document.error(key, format!("{key} cannot be combined with [channels]; expected only one of them"));
         }
     }
@@ -223,21 +221,17 @@ fn transfer(
 
 fn luminance(form: &ProfileForm, document: &mut Document<'_>) -> Option<LuminanceRange> {
     let (black, white) = ("black_cd_m2", "white_cd_m2");
-    match (form.black_cd_m2, form.white_cd_m2) {
-        (Some(black_cd_m2), Some(white_cd_m2)) if black_cd_m2 < white_cd_m2 => {
-            return Some(LuminanceRange { black_cd_m2, white_cd_m2 });
+    for (own, other) in [(black, white), (white, black)] {
+        if document.has(own) && !document.has(other) {
+            document.error(own, format!("{own} is given without {other}; expected both"));
         }
-        (Some(dark), Some(bright)) => {
-            document.error(white, format!("{white} {bright} is not above {black} {dark}; expected a larger number"));
-        }
-        (Some(_), None) if !document.has(white) => {
-            document.error(black, format!("{black} is given without {white}; expected both"));
-        }
-        (None, Some(_)) if !document.has(black) => {
-            document.error(white, format!("{white} is given without {black}; expected both"));
-        }
-        _ => {}
     }
+    let (black_cd_m2, white_cd_m2) = form.black_cd_m2.zip(form.white_cd_m2)?;
+    if black_cd_m2 < white_cd_m2 {
+        return Some(LuminanceRange { black_cd_m2, white_cd_m2 });
+    }
+    let message = format!("{white} {white_cd_m2} is not above {black} {black_cd_m2}; expected a larger number");
+    document.error(white, message);
     None
 }
 

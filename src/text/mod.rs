@@ -8,4 +8,4 @@ pub(crate) mod number;
 mod table;
 
 pub use cell::{Cell, inert, is_formula};
-pub use table::{Column, Table, csv};
+pub use table::{Column, Table};

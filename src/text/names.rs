@@ -15,8 +15,10 @@ pub(crate) fn expected_one_of<S: AsRef<str>>(name: &str, known: &[S]) -> String 
     let near = |candidate: &&&str| {
         let (other, most) = (candidate.chars().count(), 2.max(candidate.chars().count() / 2));
         // A name may have megabytes. It is at least as far away as the lengths differ.
-        let distance = || strsim::damerau_levenshtein(name, candidate);
-        (length.abs_diff(other) <= most).then(distance).filter(|distance| *distance <= most)
+        let distance = || strsim::damerau_levenshtein(&name.to_lowercase(), &candidate.to_lowercase());
+        (length.abs_diff(other) <= most)
+            .then(distance)
+            .filter(|distance| *distance <= most.min(other.saturating_sub(1)))
     };
     let best = known.iter().filter_map(|candidate| Some((near(&candidate)?, candidate))).min().map(|(_, best)| best);
     let question = best.map_or_else(String::new, |candidate| format!("; did you mean {candidate}?"));

@@ -51,9 +51,15 @@ impl Table {
         (0..rows).map(|row| self.columns.iter().map(|column| &column.cells[row]).collect())
     }
 
-    /// Writes the table as CSV in UTF-8.
+    /// Writes the table as CSV in UTF-8. Missing values are empty, and texts that a spreadsheet would evaluate are [`inert`].
     pub fn csv(&self) -> Vec<u8> {
-        csv(self.columns.iter().map(|column| column.name.as_str()), self.rows())
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        // Writing to memory does not fail, and all rows have as many cells as the header.
+        let _ = writer.write_record(self.columns.iter().map(|column| inert(&column.name).into_owned()));
+        for row in self.rows() {
+            let _ = writer.write_record(row.into_iter().map(|cell| inert(&cell.to_string()).into_owned()));
+        }
+        writer.into_inner().unwrap_or_default()
     }
 
     /// Returns an object with the description of each column and its unit, if it has one.
@@ -74,19 +80,4 @@ impl Table {
         };
         self.rows().map(object).collect()
     }
-}
-
-/// Writes rows as CSV in UTF-8. Missing values are empty, and texts that a spreadsheet would evaluate are [`inert`].
-pub fn csv<'a, Cells>(header: impl Iterator<Item = &'a str>, rows: impl Iterator<Item = Cells>) -> Vec<u8>
-where
-    Cells: IntoIterator<Item: std::borrow::Borrow<Cell>>,
-{
-    use std::borrow::Borrow as _;
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    // Writing to memory does not fail, and all rows have as many cells as the header.
-    let _ = writer.write_record(header.map(|name| inert(name).into_owned()));
-    for row in rows {
-        let _ = writer.write_record(row.into_iter().map(|cell| inert(&cell.borrow().to_string()).into_owned()));
-    }
-    writer.into_inner().unwrap_or_default()
 }

@@ -3,7 +3,7 @@
 use super::{
     error::{VisionError, check},
     eye::{Eye, Sensitivity},
-    grid::{ENOUGH_PX_PER_DEG, Grid, Lookup, averaged, coarser},
+    grid::{ENOUGH_PX_PER_DEG, Grid, Lookup, averaged, coarser, within},
     transforms::{Cosines, next_fast_length},
 };
 
@@ -26,8 +26,8 @@ impl ContrastSpectrum {
     /// its luminance, row by row; the unit does not matter.
     ///
     /// # Errors
-    /// Returns a [`VisionError`] if the light has the wrong length, if the number of pixels per degree is not above 0, if
-    /// a light value is negative or not finite, or if the picture is all black.
+    /// Returns a [`VisionError`] if the number of pixels per degree is not above 0, if a light value is negative or not
+    /// finite, or if the picture is all black.
     pub fn new(light: &[f64], size: [usize; 2], px_per_deg: f64) -> Result<ContrastSpectrum, VisionError> {
         check(light, size[0], size[1], px_per_deg)?;
         let mean = light.iter().sum::<f64>() / light.len() as f64;
@@ -41,11 +41,7 @@ impl ContrastSpectrum {
         let contrast = averaged(contrast.to_vec(), given, size);
         let per_deg = [0, 1].map(|axis| px_per_deg * size[axis] as f64 / given[axis] as f64);
         let whole = [0, 1].map(|axis| next_fast_length(size[axis] + (FIELD_DEG * per_deg[axis]).ceil() as usize));
-        let first = [0, 1].map(|axis| (whole[axis] - size[axis]) / 2);
-        let mut values = vec![0.0; whole[0] * whole[1]];
-        for (row, contrast) in contrast.chunks_exact(size[0]).enumerate() {
-            values[(first[1] + row) * whole[0] + first[0]..][..size[0]].copy_from_slice(contrast);
-        }
+        let (values, first) = within(&contrast, size, whole);
         let field = Grid { size: whole, extent: [0, 1].map(|axis| whole[axis] as f64 / per_deg[axis]) };
         ContrastSpectrum { cosines: Cosines::of(values, whole), field, given, size, first }
     }

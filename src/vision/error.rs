@@ -19,14 +19,6 @@ pub enum VisionError {
     /// The image is wider or higher than the whole field around the eye.
     #[error("the image extends over {} degrees; expected at most {MAX_DEG}", told(*.0))]
     Extent(f64),
-    /// The number of samples does not match the size of the image.
-    #[error("{found} samples of light; expected {expected}")]
-    Count {
-        /// Number of samples found.
-        found: usize,
-        /// Number of samples that the size requires.
-        expected: usize,
-    },
     /// A light value is negative or not a finite number.
     #[error("light {value} in column {x}, row {y}; expected a number that is not negative")]
     Light {
@@ -55,13 +47,13 @@ fn told(number: f64) -> String {
     if number < 1e6 { ((number * 1e4).ceil() / 1e4).to_string() } else { format!("{:e}", number.ceil()) }
 }
 
-/// Checks that `light` holds `width` × `height` valid values, that some of them are above 0, and that `px_per_deg` is
-/// positive.
+/// Checks that the values of `light` are valid, that some of them are above 0, and what [`check_extent`] does.
+///
+/// # Panics
+/// Panics unless there is a value for each pixel.
 pub(super) fn check(light: &[f64], width: usize, height: usize, px_per_deg: f64) -> Result<(), VisionError> {
     check_extent(width, height, px_per_deg)?;
-    if light.len() != width * height {
-        return Err(VisionError::Count { found: light.len(), expected: width * height });
-    }
+    assert_eq!(light.len(), width * height, "there is one value for each pixel");
     if let Some(i) = light.iter().position(|value| !(value.is_finite() && *value >= 0.0)) {
         return Err(VisionError::Light { value: light[i], x: i % width, y: i / width });
     }

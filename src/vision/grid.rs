@@ -70,7 +70,11 @@ pub(super) fn coarser(size: [usize; 2], ratio: f64) -> [usize; 2] {
 }
 
 /// Averages a picture of `size` over fewer pixels that divide it equally.
+///
+/// # Panics
+/// Panics if the picture does not have this size.
 pub(super) fn averaged(picture: Vec<f64>, size: [usize; 2], to: [usize; 2]) -> Vec<f64> {
+    assert_eq!(picture.len(), size[0] * size[1], "there is one value for each pixel");
     if size == to {
         return picture;
     }
@@ -93,6 +97,16 @@ pub(super) fn averaged(picture: Vec<f64>, size: [usize; 2], to: [usize; 2]) -> V
         across.iter().map(|taps| taps.iter().map(|(x, part)| part * sum[*x]).sum()).collect::<Vec<f64>>()
     };
     down.par_iter().flat_map_iter(row).collect()
+}
+
+/// Puts a picture into the middle of a `whole` picture of nothing, and returns that with the first place that shows it.
+pub(super) fn within(picture: &[f64], size: [usize; 2], whole: [usize; 2]) -> (Vec<f64>, [usize; 2]) {
+    let first = [0, 1].map(|axis| (whole[axis] - size[axis]) / 2);
+    let mut values = vec![0.0; whole[0] * whole[1]];
+    for (row, from) in picture.chunks_exact(size[0]).enumerate() {
+        values[(first[1] + row) * whole[0] + first[0]..][..size[0]].copy_from_slice(from);
+    }
+    (values, first)
 }
 
 /// A function of a number that is not negative, interpolated between values that lie densest near 0.

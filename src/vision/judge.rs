@@ -1,15 +1,14 @@
 //! How visible the difference between two pictures is, in units of people's threshold.
 
 use rayon::prelude::*;
-use rustfft::num_complex::Complex64;
 
 use super::{
     error::{VisionError, check, check_extent},
     eye::{Eye, Sensitivity},
-    grid::{ENOUGH_PX_PER_DEG, Grid, Lookup, averaged, coarser},
-    transforms::{Cosines, next_fast_length, transform},
+    grid::{ENOUGH_PX_PER_DEG, Grid, Lookup, averaged, coarser, within},
+    transforms::{Cosines, next_fast_length},
 };
-use crate::system::checkpoint;
+use crate::{light::image::shares, system::checkpoint};
 
 /// Responses with at least twice this number of places per degree are averaged before they are pooled, since the weight falls to half only within a third of a degree.
 const ENOUGH_TO_POOL: f64 = 30.0;
@@ -40,10 +39,10 @@ pub struct Judge {
     shares: Vec<Lookup>,
     /// The weight of a response at a distance in degrees from the gaze, to the power of the pooling.
     weight: Lookup,
-    /// Number of places at which responses are pooled, and the transform of the weights over `padded` places.
+    /// Number of places at which responses are pooled, and what that leaves of each cosine over `padded` places.
     places: [usize; 2],
     padded: [usize; 2],
-    weights: Vec<f64>,
+    pooled: Cosines,
 }
 
 impl Judge {
@@ -72,9 +71,11 @@ impl Judge {
         let extent = given.map(|side| side as f64 / px_per_deg);
         let grid = Grid { size: coarser(given, px_per_deg / ENOUGH_PX_PER_DEG), extent };
         let places = coarser(grid.size, 1.0 / grid.step()[0] / ENOUGH_TO_POOL);
-        let padded = places.map(|side| next_fast_length(2 * side - 1));
+        // A line has no other rows.
+        let padded =
+            [0, 1].map(|axis| if axis == 1 && across.is_some() { 1 } else { next_fast_length(2 * places[axis]) });
         let step = Grid { size: places, extent }.step();
-        let farthest = (padded[0] as f64 * step[0]).hypot(padded[1] as f64 * step[1]);
+        let farthest = extent[0].hypot(extent[1]);
         let power = |away: f64| sensitivity.eccentric(away).powf(sensitivity.pooling);
         // Along a line, the weight is the integral over its bars, with places that lie densest near the gaze (Simpson).
         let most = (HALF_LINE_DEG / sensitivity.fovea_deg).asinh() / 32.0;
@@ -89,18 +90,25 @@ impl Judge {
             Some(_) => Lookup::new(farthest, summed),
             None => Lookup::new(farthest, power),
         };
-        let mut weights: Vec<Complex64> = (0..padded[0] * padded[1])
-            .map(|i| {
-                let away = [i % padded[0], i / padded[0]];
-                let away = [0, 1].map(|axis| away[axis].min(padded[axis] - away[axis]) as f64 * step[axis]);
-                weight.at(away[0].hypot(away[1])).into()
-            })
-            .collect();
-        transform(&mut weights, padded[0], padded[1]);
-        // The weights are symmetric, so their transform is real. It includes what makes a sum an integral, and what the
-        // transform back needs.
-        let scale = if across.is_some() { step[0] } else { step[0] * step[1] } / weights.len() as f64;
-        let weights = weights.into_iter().map(|weight| weight.re * scale).collect();
+        // What pooling makes of a response at the first place, which lies beside its own mirror images. They are as far from
+        // a picture in the middle as its sides are long, where the weights end.
+        let images = padded.map(|side| side.min(2));
+        let spread = |i: usize| -> f64 {
+            if i % padded[0] == 0 {
+                checkpoint();
+            }
+            let image = |k: usize| {
+                let (right, down) = (i % padded[0] + k % images[0], i / padded[0] + k / images[0]);
+                let is_near = right < places[0] && down < places[1];
+                if is_near { weight.at((right as f64 * step[0]).hypot(down as f64 * step[1])) } else { 0.0 }
+            };
+            (0..images[0] * images[1]).map(image).sum()
+        };
+        let mut pooled = Cosines::of((0..padded[0] * padded[1]).into_par_iter().map(spread).collect(), padded);
+        // Relative to the cosines of that response. A sum becomes an integral.
+        let area = if across.is_some() { step[0] } else { step[0] * step[1] };
+        let alone = |k: usize, n: f64| 2.0 / n * (std::f64::consts::FRAC_PI_2 * k as f64 / n).cos();
+        pooled.filter(|x, y| area / (alone(x, padded[0] as f64) * alone(y, padded[1] as f64)));
         let of = |value: &dyn Fn(f64) -> f64| Lookup::new(grid.finest(), value);
         Ok(Judge {
             eye,
@@ -114,7 +122,7 @@ impl Judge {
             weight,
             places,
             padded,
-            weights,
+            pooled,
         })
     }
 
@@ -122,8 +130,10 @@ impl Judge {
     /// far a difference counts at each pixel; without it, it counts everywhere.
     ///
     /// # Errors
-    /// Returns a [`VisionError`] if the pictures do not have the judge's size, or if their light is not a positive
-    /// number.
+    /// Returns a [`VisionError`] if their light is not a positive number.
+    ///
+    /// # Panics
+    /// Panics if the pictures or the share do not have the judge's size.
     pub fn difference(
         &self,
         shown: &[f64],
@@ -156,9 +166,6 @@ impl Judge {
                 return Err(VisionError::Black { x: i % width, y: i / width });
             }
             check(light, width, height, width as f64 / self.grid.extent[0])?;
-        }
-        if let Some(share) = share.filter(|share| share.len() != width * height) {
-            return Err(VisionError::Count { found: share.len(), expected: width * height });
         }
         let (mut shown, mut reference) = (self.averaged(shown), self.averaged(reference));
         let both = shown.par_iter().zip(&reference).map(|(a, b)| 0.5 * (a + b)).collect();
@@ -274,23 +281,17 @@ impl Difference<'_> {
     /// Returns the map of a part of the response: `part` gets the place across the picture, 0…1, and the
     /// response there; it returns a number that is not negative.
     pub fn map_of(&self, part: impl Fn(f64, f64) -> f64 + Sync) -> DifferenceMap {
-        let Judge { eye, given, grid: Grid { size, .. }, places, padded, .. } = self.judge;
+        let Judge { eye, given, grid: Grid { size, .. }, places, padded, pooled, .. } = self.judge;
         let power = eye.sensitivity.pooling;
         let across = |i: usize| ((i % size[0]) as f64 + 0.5) / size[0] as f64;
         let powers: Vec<f64> =
             self.response.par_iter().enumerate().map(|(i, value)| part(across(i), *value).powf(power)).collect();
         let powers = averaged(powers, *size, *places);
-        let mut values = vec![Complex64::default(); padded[0] * padded[1]];
-        for (to, from) in values.chunks_exact_mut(padded[0]).zip(powers.chunks_exact(places[0])) {
-            to.iter_mut().zip(from).for_each(|(to, from)| *to = (*from).into());
-        }
-        transform(&mut values, padded[0], padded[1]);
-        // The conjugate makes the forward transform an inverse one.
-        values.par_iter_mut().zip(&self.judge.weights).for_each(|(value, weight)| *value = value.conj() * weight);
-        checkpoint();
-        transform(&mut values, padded[0], padded[1]);
-        let rows = values.chunks_exact(padded[0]).take(places[1]);
-        let times = rows.flat_map(|row| &row[..places[0]]).map(|value| value.re.max(0.0).powf(1.0 / power)).collect();
+        let (values, first) = within(&powers, *places, *padded);
+        let values = Cosines::of(values, *padded).at(*padded, None, |x, y| pooled.amplitudes[x * padded[1] + y]);
+        let rows = values.chunks_exact(padded[0]).skip(first[1]).take(places[1]).inspect(|_| checkpoint());
+        let times = rows.flat_map(|row| &row[first[0]..][..places[0]]).map(|value| value.max(0.0).powf(1.0 / power));
+        let times = times.collect();
         DifferenceMap { times, places: *places, size: *given }
     }
 
@@ -307,12 +308,6 @@ impl DifferenceMap {
         self.times.iter().copied().fold(0.0, f64::max)
     }
 
-    /// Returns the pixel at the middle of a place.
-    fn pixel(&self, i: usize) -> [usize; 2] {
-        let place = [i % self.places[0], i / self.places[0]];
-        [0, 1].map(|axis| (2 * place[axis] + 1) * self.size[axis] / (2 * self.places[axis]))
-    }
-
     /// Returns up to `number` peaks, the highest first, that are at least `apart` pixels from each other.
     pub fn peaks(&self, number: usize, apart: f64) -> Vec<Place> {
         let [columns, rows] = self.places;
@@ -325,7 +320,9 @@ impl DifferenceMap {
         all.sort_by(|a, b| self.times[*b].total_cmp(&self.times[*a]));
         let mut found: Vec<Place> = Vec::new();
         for i in all {
-            let [x, y] = self.pixel(i);
+            // The pixel at the middle of the place.
+            let middle = |axis: usize, place: usize| (2 * place + 1) * self.size[axis] / (2 * self.places[axis]);
+            let (x, y) = (middle(0, i % columns), middle(1, i / columns));
             let is_far = |other: &Place| (x as f64 - other.x as f64).hypot(y as f64 - other.y as f64) >= apart;
             if found.iter().all(is_far) {
                 found.push(Place { x, y, times_threshold: self.times[i] });
@@ -339,23 +336,18 @@ impl DifferenceMap {
 
     /// Returns the map with one value for each pixel of the picture, row by row.
     pub fn enlarged(&self) -> Vec<f64> {
-        let ([columns, rows], [width, height]) = (self.places, self.size);
-        let near = |pixel: usize, side: usize, n: usize| {
-            let at = ((pixel as f64 + 0.5) * n as f64 / side as f64 - 0.5).clamp(0.0, (n - 1) as f64);
-            (at as usize, (at as usize + 1).min(n - 1), at.fract())
+        let [[columns, width], [rows, height]] = [0, 1].map(|axis| [self.places[axis], self.size[axis]]);
+        let taps = |from: usize, to: usize| (0..to as u32).map(|at| shares(at, to as u32, from as u32)).collect();
+        let (across, down): (Vec<_>, Vec<_>) = (taps(columns, width), taps(rows, height));
+        let row = |down: &Vec<(u32, f64)>| -> Vec<f64> {
+            let column = |(row, by): &(u32, f64), (column, bx): &(u32, f64)| {
+                by * bx * self.times[*row as usize * columns + *column as usize]
+            };
+            let value = |across: &Vec<(u32, f64)>| {
+                down.iter().map(|row| across.iter().map(|place| column(row, place)).sum::<f64>()).sum()
+            };
+            across.iter().map(value).collect()
         };
-        let mut values = vec![0.0; width * height];
-        values.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
-            let (top, bottom, down) = near(y, height, rows);
-            for (x, value) in row.iter_mut().enumerate() {
-                let (left, right, part) = near(x, width, columns);
-                let at = |row: usize| {
-                    let row = &self.times[row * columns..][..columns];
-                    row[left] + (row[right] - row[left]) * part
-                };
-                *value = at(top) + (at(bottom) - at(top)) * down;
-            }
-        });
-        values
+        down.par_iter().flat_map_iter(row).collect()
     }
 }

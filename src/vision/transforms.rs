@@ -1,11 +1,10 @@
-//! Fourier transforms of any length, and cosine transforms of pictures, each planned once per thread. A picture continues
-//! beyond its borders as its own mirror image, so a border is no edge.
+//! Cosine transforms of pictures of any size, planned once per thread. A picture continues beyond its borders as its own
+//! mirror image, so a border is no edge.
 
 use std::{cell::RefCell, sync::Arc};
 
 use rayon::prelude::*;
 use rustdct::{DctPlanner, TransformType2And3};
-use rustfft::{Fft, FftPlanner, num_complex::Complex64};
 
 use crate::system::checkpoint;
 
@@ -22,7 +21,7 @@ fn plan(length: usize) -> Arc<dyn TransformType2And3<f64>> {
 /// `across` and `down` half periods over the picture.
 #[derive(Clone)]
 pub(super) struct Cosines {
-    amplitudes: Vec<f64>,
+    pub(super) amplitudes: Vec<f64>,
     size: [usize; 2],
 }
 
@@ -121,15 +120,6 @@ fn each(
     );
 }
 
-thread_local! {
-    static FOURIER: RefCell<FftPlanner<f64>> = RefCell::new(FftPlanner::new());
-}
-
-/// Returns the forward transform for `length` values.
-fn forward(length: usize) -> Arc<dyn Fft<f64>> {
-    FOURIER.with_borrow_mut(|planner| planner.plan_fft_forward(length))
-}
-
 /// Returns the smallest number that is at least `least` and has no prime factor above 5. Transforms of such lengths are
 /// fast.
 pub fn next_fast_length(least: usize) -> usize {
@@ -144,27 +134,11 @@ pub fn next_fast_length(least: usize) -> usize {
     (least.max(1)..).find(|n| is_smooth(*n)).unwrap_or(least)
 }
 
-/// Performs an unnormalized two-dimensional Fourier transform in place.
-pub(super) fn transform(values: &mut [Complex64], columns: usize, rows: usize) {
-    let (across, down) = (forward(columns), forward(rows));
-    values.par_chunks_exact_mut(columns).for_each(|row| {
-        checkpoint();
-        across.process(row);
-    });
-    let mut turned = vec![Complex64::default(); values.len()];
-    transpose(values, &mut turned, [columns, rows]);
-    turned.par_chunks_exact_mut(rows).for_each(|column| {
-        checkpoint();
-        down.process(column);
-    });
-    transpose(&turned, values, [rows, columns]);
-}
-
 /// Fewer runs, or values, than this are not worth another thread.
-pub(super) const SHORT: usize = 4096;
+const SHORT: usize = 4096;
 
 /// Turns rows of `columns` values into columns, in tiles that fit in the processor's cache.
-pub(super) fn transpose<T: Copy + Send + Sync>(from: &[T], to: &mut [T], [columns, rows]: [usize; 2]) {
+fn transpose<T: Copy + Send + Sync>(from: &[T], to: &mut [T], [columns, rows]: [usize; 2]) {
     const TILE: usize = 16;
     to.par_chunks_mut(TILE * rows).enumerate().with_min_len(SHORT.div_ceil(TILE * rows)).for_each(|(tile, to)| {
         let first = tile * TILE;

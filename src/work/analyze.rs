@@ -12,7 +12,7 @@ use crate::{
     analysis::{
         Link, MAX_COEFFICIENTS, ModelError, Options, Random, Resampling, Results, Slopes, analyze_with,
         counts::{Counts, Exclusions},
-        find_factor, number_of, numbers_of,
+        number_of, numbers_of,
         tasks::psychometric::{self, Guess},
         terms::{Terms, Variable},
     },
@@ -290,7 +290,7 @@ impl Analyze {
             items: self.items.clone(),
             link: self.model.link,
             random: self.random,
-            max_coefficients: self.model.max_coefficients(),
+            max_coefficients: Some(self.model.max_coefficients()),
             slopes: self.model.slopes,
             resampling: self.resampling,
             parameters: source.parameters(),
@@ -311,8 +311,11 @@ impl Analyze {
             return Err(RequestError::value("slopes", message));
         }
         let terms = self.options(&study.source).terms(counts);
-        let twice = terms.as_ref().and_then(|terms| twice(counts, terms));
-        if let Some(message) = twice.or_else(|| determined(counts, self.columns_of(terms.as_ref()))) {
+        let [factors, numbers] = self.columns_of(terms.as_ref());
+        let is_both = |name: &&String| numbers.contains(name) && self.items.as_ref() != Some(name);
+        let both = |name: &String| format!("{name} is both a factor and a number; expected only one of them");
+        let twice = factors.iter().find(is_both).map(both);
+        if let Some(message) = twice.or_else(|| determined(counts, [factors, numbers])) {
             return Err(RequestError::value("terms", message));
         }
         let Some(order) = &self.ratings.how.order else { return Ok(()) };
@@ -364,17 +367,6 @@ impl Analyze {
             None => Ok(results),
         }
     }
-}
-
-/// Says which column is both a factor and a number of the terms.
-fn twice(counts: &Counts, terms: &Terms) -> Option<String> {
-    let (factors, numbers): (Vec<&Variable>, Vec<&Variable>) =
-        (terms.iter().flat_map(|term| &term.variables)).partition(|variable| matches!(variable, Variable::Factor(_)));
-    let column = |variable: &Variable| find_factor(counts, variable).ok().map(|(column, _)| column);
-    let numbers: Vec<usize> = numbers.into_iter().filter_map(column).collect();
-    let is_number = |factor: &&Variable| column(factor).is_some_and(|own| numbers.contains(&own));
-    let name = factors.into_iter().find(is_number)?.name();
-    Some(format!("{name} is both a factor and a number, so its effects cannot be told apart; expected one of them"))
 }
 
 /// Says which of these factors determines another one, or a number, so that their effects cannot be told apart.

@@ -7,12 +7,15 @@ use serde::{Serialize, Serializer};
 use super::{RequestError, Watcher};
 use crate::{
     display::DisplayProfile,
-    light::{Bits, Dither, Transfer, Transfers},
+    light::{Bits, CodeImage, Dither, Transfer, Transfers},
     stimulus::{
         Stimulus, ViewingConditions,
         recipe::{MAX_SIZE, Recipe},
     },
-    store::{self, image::Picture},
+    store::{
+        self,
+        image::{ASSUMED, Picture},
+    },
     system::now,
     text::{
         names::one_of,
@@ -61,6 +64,12 @@ pub struct Encoded {
 }
 
 impl Encoded {
+    /// Returns codes in memory as a picture.
+    pub fn given(&self, codes: CodeImage) -> Picture {
+        let picture = Picture::given(codes, self.transfers.clone());
+        self.shows(if self.is_given { picture } else { Picture { origin: ASSUMED, ..picture } })
+    }
+
     /// Returns a picture with the primaries of the display profile, if it has any.
     pub fn shows(&self, picture: Picture) -> Picture {
         let primaries = self.profile.as_ref().and_then(|(profile, _)| profile.primaries);

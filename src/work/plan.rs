@@ -18,7 +18,7 @@ use crate::{
             ThresholdPlan,
         },
     },
-    experiment::{Definition, Identity, Protocol, Schedule},
+    experiment::{Definition, Identity, ObserverParameters as _, OrderedLogit, Protocol, Schedule},
     report::{names, tables::Rows, tasks::task},
     store::{definition, observer},
     text::{
@@ -215,7 +215,11 @@ impl Plan {
         Schedule::new(&protocol, &Identity::new("S00000", "1").map_err(anyhow::Error::msg)?, self.seed)?;
         // A difference is found by its 95 % interval.
         let sampling = Sampling { studies: self.studies, seed: self.seed, ..Sampling::default() };
-        let (observer, shifts) = self.threshold_observer(&protocol)?;
+        let adaptive = protocol.adaptive.clone().unwrap_or_default();
+        let (mut observer, (shifts, parameters)) = (ThresholdObserver::of(&adaptive), self.given());
+        for effect in parameters {
+            set(effect, &mut observer.parameters(adaptive.range()), &protocol)?;
+        }
         let slopes = self.slopes();
         let plan = |protocol| ThresholdPlan::new(&protocol, observer.clone(), &shifts, &slopes).map_err(refused);
         let plans = self.with_trials(&protocol)?.into_iter().map(plan).collect::<Result<Vec<_>, _>>()?;
@@ -243,26 +247,17 @@ impl Plan {
         in_order(&self.trials).into_iter().map(with).collect()
     }
 
-    /// Returns the observer with the requested effects, and those of the levels of factors.
-    fn threshold_observer(&self, protocol: &Protocol) -> Result<(ThresholdObserver, Vec<Shift>), RequestError> {
-        let adaptive = protocol.adaptive.clone().unwrap_or_default();
-        let (mut observer, (shifts, parameters)) = (ThresholdObserver::of(&adaptive), self.given());
-        for effect in parameters {
-            set(effect, &mut observer.parameters(adaptive.range()), protocol)?;
-        }
-        Ok((observer, shifts))
-    }
-
     /// Simulates studies of ratings.
     fn ratings(&self, protocol: Protocol, watcher: &dyn Watcher) -> anyhow::Result<Planned> {
-        let mut observer = self.observer_file.as_deref().map(observer::open).transpose()?.unwrap_or_default();
+        let mut observer: OrderedLogit =
+            self.observer_file.as_deref().map(observer::open).transpose()?.unwrap_or_default();
         let name = self.observer_file.as_ref().map_or_else(|| "paper".to_owned(), |path| path.display().to_string());
         let (shifts, parameters) = self.given();
         for effect in parameters {
             set(effect, &mut observer.parameters(), &protocol)?;
         }
         let Model { terms, link, slopes, .. } = self.model.clone();
-        let max_coefficients = self.model.max_coefficients();
+        let max_coefficients = Some(self.model.max_coefficients());
         let model = Options { terms, link, slopes, max_coefficients, ..Options::default() };
         let plan = power::Plan::new(&protocol, &observer, &shifts, &self.slopes(), &model).map_err(refused)?;
         let sampling = Sampling { studies: self.studies, alpha: self.alpha, seed: self.seed };

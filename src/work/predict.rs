@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::{Drawn, Encoded, Encoding, FittedPath, Luminances, Ratings, RequestError, Watcher, explained};
 use crate::{
-    experiment::{Condition, Protocol},
+    experiment::{Condition, Factor, Protocol, VisionRater},
     report::{
         Study,
         prediction::{self, Comparison, MAX_PICTURES, window_deg},
@@ -14,7 +14,7 @@ use crate::{
     stimulus::{Parameter, Stimulus, ViewingConditions, Visible, recipe::MAX_SIZE},
     store::{definition, observer, ratings::Source},
     text::{
-        Cell, Column, Table,
+        Column, Table,
         number::{positive, whole},
     },
     vision::{Criterion, VisionError},
@@ -69,8 +69,6 @@ pub struct Prediction {
     pub detection: f64,
     /// The mean rating, if there is a criterion.
     pub rating: Option<f64>,
-    /// All of it in one row, with what was predicted.
-    pub table: Table,
 }
 
 /// What is predicted for every condition of a definition.
@@ -83,11 +81,11 @@ pub struct Predictions {
 }
 
 impl Predict {
-    /// Predicts the bands of `given`, or otherwise of the stimulus that the request names.
+    /// Predicts the bands of `given`, or otherwise of the stimulus that the request names. Also returns a table of one row.
     ///
     /// # Errors
     /// A value is impossible, a file cannot be read, or the picture is too large, too small or all black.
-    pub fn one(&self, given: Option<&Stimulus>, watcher: &dyn Watcher) -> anyhow::Result<Prediction> {
+    pub fn one(&self, given: Option<&Stimulus>, watcher: &dyn Watcher) -> anyhow::Result<(Prediction, Table)> {
         let (encoded, criterion) = (self.encoded(watcher)?, self.criterion()?);
         let drawn;
         let stimulus = match given {
@@ -104,15 +102,13 @@ impl Predict {
         let detection = viewing.detection(stimulus).map_err(wrong)?;
         let rating = criterion.as_ref().and_then(|criterion| Some(criterion.mean(visible.rated()?)));
         let kind = Column::new("stimulus", "", "Kind of stimulus.");
-        let columns = std::iter::once(kind).chain(stimulus.parameters().iter().map(column));
-        let values = stimulus.parameters().iter().map(|parameter| Cell::from(stimulus.get(parameter.name)));
-        let row = std::iter::once(Cell::from(stimulus.kind())).chain(values);
-        let asked = Asked { rating: criterion.is_some(), surface: !stimulus.is_line() };
-        let table = Table::new(
-            columns.chain(asked.columns()).collect(),
-            [row.chain(asked.cells(&visible, detection, rating)).collect()],
-        );
-        Ok(Prediction { visible, detection, rating, table })
+        let kind = Column { cells: vec![stimulus.kind().into()], ..kind };
+        let value =
+            |parameter: &Parameter| Column { cells: vec![stimulus.get(parameter.name).into()], ..column(parameter) };
+        let columns = std::iter::once(kind).chain(stimulus.parameters().iter().map(value)).collect();
+        let found = Prediction { visible, detection, rating };
+        let table = table(columns, std::slice::from_ref(&found), stimulus, criterion.is_some());
+        Ok((found, table))
     }
 
     /// Predicts every condition of `experiment`, and compares the predictions with the ratings, if there are any.
@@ -148,20 +144,19 @@ impl Predict {
             None => (self.criterion()?, 0.0),
         };
         let detections = viewing.detections(&stimuli).map_err(wrong)?;
-        let known = protocol.stimulus.parameters();
-        let named = |name: &str| {
-            let parameter = known.iter().find(|parameter| parameter.name == name);
-            parameter.map_or_else(|| Column::new(name, "", "Level of the picture."), column)
-        };
-        let asked = Asked { rating: criterion.is_some(), surface: !protocol.stimulus.is_line() };
-        let columns = protocol.factors.iter().map(|factor| named(&factor.name)).chain(asked.columns()).collect();
-        let row = |((condition, visible), detection): ((&Condition, &Visible), f64)| {
-            let levels = protocol.factors.iter().zip(&condition.levels);
-            let levels = levels.map(|(factor, level)| Cell::from(factor.levels[*level].clone()));
+        let predicted = |(visible, detection): (Visible, f64)| {
             let rating = criterion.as_ref().and_then(|criterion| Some(criterion.mean(visible.rated()?.max(least))));
-            levels.chain(asked.cells(visible, detection, rating)).collect()
+            Prediction { visible, detection, rating }
         };
-        let table = Table::new(columns, conditions.iter().zip(&found).zip(detections).map(row));
+        let rows: Vec<Prediction> = found.into_iter().zip(detections).map(predicted).collect();
+        let levels = |(place, factor): (usize, &Factor)| {
+            let known = protocol.stimulus.parameters().iter().find(|parameter| parameter.name == factor.name);
+            let named = known.map_or_else(|| Column::new(&factor.name, "", "Level of the picture."), column);
+            let level = |condition: &Condition| factor.levels[condition.levels[place]].clone().into();
+            Column { cells: conditions.iter().map(level).collect(), ..named }
+        };
+        let columns = protocol.factors.iter().enumerate().map(levels).collect();
+        let table = table(columns, &rows, &protocol.stimulus, criterion.is_some());
         Ok(Predictions { table, fit })
     }
 
@@ -187,7 +182,7 @@ impl Predict {
     /// Returns the criterion from the file, if there is one.
     fn criterion(&self) -> anyhow::Result<Option<Criterion>> {
         let path = self.criterion.as_ref().filter(|_| self.fit.is_empty());
-        path.map(|path| Ok(observer::open_vision(path)?.criterion())).transpose()
+        path.map(|path| Ok(observer::open::<VisionRater>(path)?.criterion())).transpose()
     }
 
     fn encoded(&self, watcher: &dyn Watcher) -> anyhow::Result<Encoded> {
@@ -244,44 +239,23 @@ fn column(parameter: &Parameter) -> Column {
 /// The unit of what the model predicts.
 const TIMES: &str = "times threshold";
 
-/// What is asked besides the bands of a ramp and detection.
-#[derive(Clone, Copy)]
-struct Asked {
-    rating: bool,
-    surface: bool,
-}
-
-impl Asked {
-    /// Describes the columns of a prediction.
-    fn columns(self) -> Vec<Column> {
-        let times = |name, description| Column::new(name, TIMES, description);
-        let mut columns = vec![
-            times("band_bright", "The ramp's difference from the nearest smooth edge, on its light side."),
-            times("band_dark", "The same on its dark side."),
-            times("detection", "Contrast of the whole picture, for an average person."),
-        ];
-        if self.surface {
-            columns.push(times("difference", "The largest difference of a shaded mesh from the smooth surface."));
-        }
-        if self.rating {
-            columns.push(Column::new("predicted_rating", "", "Mean rating by the criterion."));
-        }
-        columns
-    }
-
-    fn cells(self, visible: &Visible, detection: f64, rating: Option<f64>) -> Vec<Cell> {
-        let (bands, difference) = match visible {
-            Visible::Ramp(bands) => ([Some(bands.bright), Some(bands.dark)], None),
-            Visible::Surface(difference) => ([None; 2], Some(*difference)),
-            Visible::Unknown => ([None; 2], None),
-        };
-        let mut values = vec![bands[0], bands[1], Some(detection)];
-        values.extend(self.surface.then_some(difference));
-        values.extend(self.rating.then_some(rating));
+/// Adds what is predicted to the columns of what varies.
+fn table(mut columns: Vec<Column>, rows: &[Prediction], like: &Stimulus, is_rated: bool) -> Table {
+    let mut add = |name: &str, unit: &str, description: &str, value: fn(&Prediction) -> Option<f64>| {
         // Four decimals; more would mean nothing.
-        values
-            .into_iter()
-            .map(|value| value.map_or(Cell::Missing, |value| Cell::from((value * 1e4).round() / 1e4)))
-            .collect()
+        let cell = |row| value(row).map(|value| (value * 1e4).round() / 1e4).into();
+        columns.push(Column { cells: rows.iter().map(cell).collect(), ..Column::new(name, unit, description) });
+    };
+    let bright = "The ramp's difference from the nearest smooth edge, on its light side.";
+    add("band_bright", TIMES, bright, |row| row.visible.bands().map(|bands| bands.bright));
+    add("band_dark", TIMES, "The same on its dark side.", |row| row.visible.bands().map(|bands| bands.dark));
+    add("detection", TIMES, "Contrast of the whole picture, for an average person.", |row| Some(row.detection));
+    if !like.is_line() {
+        let difference = "The largest difference of a shaded mesh from the smooth surface.";
+        add("difference", TIMES, difference, |row| row.visible.rated());
     }
+    if is_rated {
+        add("predicted_rating", "", "Mean rating by the criterion.", |row| row.rating);
+    }
+    Table { columns }
 }

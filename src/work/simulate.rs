@@ -1,7 +1,7 @@
 //! Sessions with a simulated observer.
 
 use std::{
-    collections::{BTreeMap, BTreeSet},
+    collections::BTreeMap,
     path::PathBuf,
     sync::{
         OnceLock,
@@ -17,8 +17,8 @@ use serde::Serialize;
 use super::{RequestError, Watcher};
 use crate::{
     experiment::{
-        self, Course, FrameCount, Identity, Observer, Protocol, Resumed, RowContext, Schedule, Session, SessionOptions,
-        TrialRecord, UniformObserver, VisionObserver, VisionRater,
+        self, Course, FrameCount, Identity, Observer, OrderedLogit, Protocol, Resumed, RowContext, Schedule, Session,
+        SessionOptions, TrialRecord, UniformObserver, VisionObserver, VisionRater,
     },
     stimulus::Stimulus,
     store::{
@@ -158,7 +158,7 @@ fn observer(request: &Simulate, protocol: &Protocol) -> anyhow::Result<(Box<dyn 
         }
         ObserverKind::Random => (Box::new(UniformObserver), SimulatedObserver::Random),
         ObserverKind::Vision => {
-            let parameters = file.map(observer::open_vision).transpose()?.unwrap_or_default();
+            let parameters: VisionRater = file.map(observer::open).transpose()?.unwrap_or_default();
             let description = SimulatedObserver::Vision { vision: parameters.clone() };
             let observer = VisionObserver::new(parameters, protocol).map_err(|error| {
                 anyhow::anyhow!("{}: {error}, or the observer random or paper", request.experiment.display())
@@ -166,7 +166,7 @@ fn observer(request: &Simulate, protocol: &Protocol) -> anyhow::Result<(Box<dyn 
             (Box::new(observer), description)
         }
         ObserverKind::Paper => {
-            let parameters = file.map(observer::open).transpose()?.unwrap_or_default();
+            let parameters: OrderedLogit = file.map(observer::open).transpose()?.unwrap_or_default();
             let description = SimulatedObserver::Paper { ordered_logit: parameters.clone() };
             (Box::new(parameters), description)
         }
@@ -218,14 +218,10 @@ impl Simulation<'_> {
         let origin = before(now(), elapsed);
         let mut session = Session::new(course, &resumed, NO_SCREEN);
         let context = RowContext { protocol, schedule: &schedule, identity: &identity, sitting };
-        let (mut shown, mut conditions) = (BTreeMap::new(), BTreeSet::new());
+        let mut shown = BTreeMap::new();
         let rated = experiment::simulate(&mut session, self.observer.as_ref(), &identity, elapsed, |response| {
             self.advance(1);
-            if protocol.task.is_default() {
-                conditions.insert(schedule.trials[response.trial].condition);
-            } else {
-                shown.extend(response.shown.stimuli.iter().map(|stimulus| (stimulus.key(), stimulus.clone())));
-            }
+            shown.extend(response.shown.stimuli.iter().map(|stimulus| (stimulus.key(), stimulus.clone())));
             store.append(&TrialRecord::new(&context, response, after(origin, response.onset)))?;
             watcher.check(store.csv())
         });
@@ -235,12 +231,13 @@ impl Simulation<'_> {
         // A signal may arrive during the last trial.
         let complete = session.current().is_none();
         let all = || schedule.conditions.iter().map(|condition| &condition.stimulus);
-        if complete && protocol.task.is_default() {
+        if protocol.task.is_default() && (complete || self.hashes.get().is_some()) {
             let hashes = self.hashes.get_or_init(|| self.hash(&all().collect::<Vec<_>>()));
-            store.note_pictures(all().zip(hashes.iter().cloned()));
+            let pictures = all().zip(hashes.iter().cloned()).enumerate();
+            let rated = pictures.filter(|(i, _)| complete || conditions.contains(i));
+            store.note_pictures(rated.map(|(_, picture)| picture));
         } else {
-            let rated = all().enumerate().filter_map(|(i, stimulus)| conditions.contains(&i).then_some(stimulus));
-            let shown: Vec<&Stimulus> = shown.values().chain(rated).collect();
+            let shown: Vec<&Stimulus> = shown.values().collect();
             let hashes = self.hash(&shown);
             store.note_pictures(shown.into_iter().zip(hashes));
         }

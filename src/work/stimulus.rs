@@ -9,7 +9,10 @@ use crate::{
     light::{Bits, Dither, Transfer, halftone::Screen, palette::Reduction},
     report::study::shell_command,
     stimulus::recipe::Recipe,
-    store::{self, Writer},
+    store::{
+        self, Writer,
+        image::{Finish, recipe_png},
+    },
 };
 
 /// A stimulus, and how its image is made.
@@ -61,11 +64,12 @@ impl Render {
         let recipe = self.image.recipe(self.drawn.stimulus()?, watcher)?;
         let quantizer = recipe.quantizer();
         if let Some(out) = out {
-            match (self.halftone, self.palette) {
-                (Some(screen), _) => store::image::write_halftone(writer, out, &recipe, screen),
-                (None, Some(reduction)) => store::image::write_reduced(writer, out, &recipe, &quantizer, reduction),
-                (None, None) => store::image::write_recipe(writer, out, &recipe, &quantizer),
-            }?;
+            let finish = match (self.halftone, self.palette) {
+                (Some(screen), _) => Finish::Halftone(screen),
+                (None, Some(reduction)) => Finish::Palette(reduction),
+                (None, None) => Finish::Codes,
+            };
+            writer.write(out, &recipe_png(out, &recipe, &quantizer, finish)?)?;
         }
         if let Some(profile) = profile {
             writer.write(profile, &store::curve::table(&recipe, &quantizer).csv())?;

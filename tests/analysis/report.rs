@@ -216,7 +216,6 @@ fn session(protocol: &Protocol, subject: &str, sitting: Sitting) -> SessionRead 
         planned: Some(90),
         rated: 90,
         skipped: 0,
-        dropped: Some(0),
         sidecar: Some(Sidecar::new(protocol, 1, sitting).into()),
     }
 }
@@ -230,8 +229,12 @@ fn problems_with_the_data_are_reported() {
     let mut source = Source { protocol: Some(protocol.clone()), ..source(&FACTORS) };
     source.sessions = ["S001", "S002"].map(|subject| session(&protocol, subject, person.clone())).to_vec();
     let fine = text(&page(&source, &results));
-    let expected =
-        ["All planned trials of 2 sessions are rated", "all sittings were run in the same way", "No errors were found"];
+    let expected = [
+        "All planned trials of 2 sessions are rated",
+        "all sittings were run in the same way",
+        "No errors were found",
+        "Figure 1. Mean rating",
+    ];
     assert_parts(&fine, &expected);
     assert!(!fine.contains("are simulated"));
 
@@ -243,7 +246,7 @@ fn problems_with_the_data_are_reported() {
         incidents: vec!["the folder was moved".to_owned()],
         ..Sitting::default()
     };
-    source.sessions[1] = SessionRead { rated: 60, dropped: Some(7), ..session(&protocol, "S002", other) };
+    source.sessions[1] = SessionRead { rated: 60, ..session(&protocol, "S002", other) };
     let message = "rating 4; expected 0…3".to_owned();
     source.errors = vec![FileError {
         file: "S002.csv".to_owned(),
@@ -254,13 +257,11 @@ fn problems_with_the_data_are_reported() {
     }];
     let wrong = text(&page(&source, &results));
     let expected = [
-        "Some of these data are simulated: the ratings of 1 of 2 participants (S002) come from a program",
-        "1 of 2 sessions is unfinished",
-        "unfinished, 30 missing",
+        "Some of these data are simulated: 60 of 60 ratings of 1 of 2 participants (S002) come from a program",
+        "Of 2 sessions, 1 is known to be finished",
         "Frames are not steady. (1 sitting)",
         "S002, session 1: the folder was moved",
-        "Sittings differ in observer and viewing distance",
-        "50 cm (1 sitting); 70 cm (1 sitting)",
+        "sittings differ in observer and viewing distance",
         "S002.csv:3:9: rating 4; expected 0…3",
     ];
     assert_parts(&wrong, &expected);
@@ -277,7 +278,7 @@ fn problems_with_the_data_are_reported() {
     let left = analyze(results.measured.narrowed(&exclusions).unwrap(), &options());
     let [total, n] = [&results, &left].map(|results| results.measured.counts.total());
     let left = text(&page(&source, &left));
-    let excluded = format!("Participant S002 ({}) was left out on request.", count(total - n, "rating"));
+    let excluded = format!("{} by participant S002 were left out.", count(total - n, "rating"));
     let rest = format!("All numbers are about the remaining {} by 1 participant.", count(n, "rating"));
     assert_eq!((left.matches(&excluded).count(), left.matches(&rest).count()), (3, 3), "{left}");
     assert_parts(&left, &["1 simulated observer gave", "all ratings come from a program"]);
@@ -297,8 +298,8 @@ fn participants_with_unusual_answers_are_named() {
     }
     let numbers = Options { terms: Some("num:width".parse().unwrap()), ..options() };
     let cautions = study::summary(&source(&["width"]), &analyze(builder.finish(), &numbers)).cautions.join("\n");
-    let ben = "\nParticipant ben used only one category: all their ratings are 2.\n";
-    assert_parts(&cautions, &[ben, "cyd gave half of the answers within 0.2"]);
+    let ben = "\nParticipant ben used one category for at least 90\u{a0}% of their ratings.\n";
+    assert_parts(&cautions, &[ben, "Participant cyd gave half of the answers within 0.3"]);
 }
 
 /// The report says in one sentence why there is no prediction, or else shows the prediction.
@@ -318,6 +319,10 @@ fn the_report_shows_the_prediction_or_says_why_there_is_none() {
     };
     why(None, &results, "no definition");
     why(Some(&protocol), &results, "varies orientation_deg, which is not a factor of this analysis");
+    let picture = figures::stimulus(&protocol).unwrap();
+    assert!(picture.caption.contains("width 0.02, depth 1 and orientation 0°"), "{}", picture.caption);
+    // Squares of one color in a column are one rectangle.
+    assert!((65..=64 * 64).contains(&picture.svg.matches("<rect").count()));
     let two_factors = |definition: &mut Definition| definition.factors.truncate(2);
     let protocol = protocol.with(two_factors).unwrap();
     let (text_of_three, figures) = predicted(Some(&protocol), &results);

@@ -119,7 +119,7 @@ fn a_crossed_interaction_leads() {
             assert_eq!(additive, terms.is_none(), "{found}");
             let checks = results.model.as_ref().unwrap().checks.as_ref().unwrap();
             let outside = |p: &&machband::analysis::Proportion| p.observed < p.range.low || p.observed > p.range.high;
-            let far = checks.cells.iter().filter(outside).count();
+            let far = checks.proportions.iter().filter(outside).count();
             assert!(people < 10 || (far > 4) == terms.is_none(), "{far} cells; {found}");
         }
     }
@@ -396,7 +396,7 @@ fn sentences_agree() {
         let terms = [None, Some("a*b"), Some("a")][seed as usize / 2 % 3];
         let results = analyze(
             study(&["a", "b"], &CROSSED, (people, ratings, seed), latent),
-            &Options { checks: false, ..fewer_draws(terms) },
+            &Options { unchecked: true, ..fewer_draws(terms) },
         );
         let Summary { findings, cautions, .. } = said(&results);
         let all = format!("seed {seed}: {findings:#?} {cautions:#?}");

@@ -224,9 +224,11 @@ fn the_participant_is_asked_once() {
     walk(&mut first, &["These findings are saved"]);
     wait_for(&mut first, "About you");
     assert!(first.query_by_label_contains("Please answer").is_none());
+    let place = first.get_by_label("Continue").rect();
     click(&mut first, "Continue");
     wait_for(&mut first, "Please answer this question.");
     wait_for(&mut first, "Please read this and check the box.");
+    assert_eq!(first.get_by_label("Continue").rect(), place, "errors shift nothing");
     type_into(&mut first, "Age in years *", "young");
     wait_for(&mut first, "Enter a number, e.g. 27.");
     type_into(&mut first, "Age in years *", "27");
@@ -470,8 +472,11 @@ fn the_gallery_shows_every_kind_and_explains_errors() {
         click(&mut harness, &format!("Show {}", next.title));
     }
     // The last kind is a shaded cylinder: an unknown shading is rejected, a known one is accepted.
+    let place = |harness: &Window| harness.query_all_by_label("Dither").next().unwrap().rect();
+    let before = place(&harness);
     type_into(&mut harness, "Shading", "raytraced");
-    harness.get_by_label_contains("Enter flat, gouraud or phong.");
+    harness.get_by_label_contains("Shading: \"raytraced\" is not known. Enter flat, gouraud or phong.");
+    assert_eq!(place(&harness), before, "errors shift nothing");
     type_into(&mut harness, "Shading", "phong");
     assert!(harness.query_by_label_contains("Enter flat").is_none());
 

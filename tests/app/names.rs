@@ -3,7 +3,7 @@
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 
-use crate::window::{Role, Window, choose, click, home, press, session_form};
+use crate::window::{Role, Window, click, home, press, session_form};
 
 /// The controls without a name.
 fn nameless(window: &Window) -> Vec<String> {
@@ -69,7 +69,7 @@ fn every_control_of_every_place_has_a_name() {
     click(&mut window, "Close");
     go(&mut window, Key::Num3);
     for entry in machband::stimulus::catalog::all() {
-        choose(&mut window, "Stimulus", entry.title);
+        click(&mut window, &format!("Show {}", entry.title));
         named(&window, entry.title);
     }
     go(&mut window, Key::Num4);

@@ -31,7 +31,9 @@ fn what_was_typed_is_remembered_and_participants_are_not() {
     type_into(&mut window, "Viewing distance, cm", "71");
     type_into(&mut window, "Screen width, cm", "40.5");
     type_into(&mut window, "Results folder", &results);
-    click(&mut window, "Cancel");
+    click(&mut window, "Close");
+    click(&mut window, "Display");
+    type_into(&mut window, "Profile in use", "/screens/left.toml");
     click(&mut window, "Settings");
     click(&mut window, "Light");
     click(&mut window, "Close");
@@ -46,6 +48,7 @@ fn what_was_typed_is_remembered_and_participants_are_not() {
         ("Viewing distance, cm", "71"),
         ("Screen width, cm", "40.5"),
         ("Results folder", &results),
+        ("Display profile", "/screens/left.toml"),
         ("Participant", "P001"),
     ] {
         assert_eq!(value(&window, field), expected, "{field}");

@@ -74,6 +74,34 @@ fn a_grid_shows_what_is_planned_recorded_and_wrong() {
     wait_for(&mut window, "(none) to 4 (very strong)");
 }
 
+/// Titles are never cut, equal ones are told apart, and the menu of studies obeys the keyboard.
+#[test]
+fn studies_with_one_long_title_are_told_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let title = ["ramps and their bands"; 12].join(" ");
+    let mut window = window::home([800.0, 600.0], 1.0 / 60.0);
+    for name in ["one", "two"] {
+        let path = folder.path().join(format!("{name}.toml"));
+        fs::write(&path, DEFINITION.replace("\"five\"", &format!("{name:?}")).replace("Five categories", &title))
+            .unwrap();
+        window.get_by_label("Choose another study").focus();
+        window.step();
+        for key in [Key::Enter, Key::Tab, Key::Enter] {
+            press(&mut window, key);
+            window.run_steps(2);
+        }
+        type_into(&mut window, "Definition", path.to_str().unwrap());
+        press(&mut window, Key::Enter);
+        window.run_steps(3);
+        assert!(is_chosen(&window, path.to_str().unwrap()), "{:?}", texts(&window));
+        assert!(window.get_by_label(&title).rect().height() > 4.0 * 26.0, "it needs five lines");
+    }
+    click(&mut window, "Choose another study");
+    for name in ["one", "two"] {
+        window.get_by_label(&format!("{title}: {name} · no sessions yet"));
+    }
+}
+
 /// Nothing is lost by leaving a session before its first rating, and its files can then be removed.
 #[test]
 fn a_session_without_ratings_can_be_removed() {

@@ -222,6 +222,15 @@ fn pictures_mean_what_they_say() {
     // An option has precedence.
     let (other, _) = pictures.run("compare gray-linear.png gray-srgb.png --window 5 --transfer gamma:3 --json");
     assert!(times(&other) > 3.0, "{other}");
+    // 37 of red are as bright as 11 of green. The model does not see the edge, and says why.
+    let half = |i: usize| if i % 64 < 32 { [100, 100, 50] } else { [137, 89, 50] };
+    for (name, codes) in
+        [("green.png", [100, 100, 50].repeat(64 * 64)), ("half.png", (0..64 * 64).flat_map(half).collect())]
+    {
+        png(&pictures.at(name), [64; 2], png::ColorType::Rgb, &codes, |_| {});
+    }
+    let line = pictures.said("compare half.png green.png --window 2 --transfer linear");
+    assert!(line.starts_with("half.png: 0.00") && line.contains("(luminance only; "), "{line}");
     let rgba: Vec<u8> = (0..64 * 64).map(waves(64, 0)).flat_map(|code| [code, code, code, 255]).collect();
     png(&pictures.at("rgba.png"), [64; 2], png::ColorType::Rgba, &rgba, |_| {});
     pictures.gray("gray.png", [64; 2], waves(64, 0));
@@ -388,6 +397,10 @@ fn impossible_comparisons_are_refused() {
         1: one one --window 2 --mask wide.png => error: --mask: wide.png has 65 × 64 pixels
         2: empty empty --window 2 --map map.png => --map";
     refuses(pictures.0.path(), "compare {}", cases);
+    // A mask of one bit per pixel may have few bytes.
+    pictures.gray("large.png", [1024; 2], |_| 9);
+    png(&at("bits.png"), [1024; 2], gray, &[255; 128 * 1024], |info| info.bit_depth = png::BitDepth::One);
+    pictures.said("compare large.png large.png --window 9 --mask bits.png");
     // The transfer function that the user gives makes a broken profile harmless.
     pictures.said("compare profile.png gray.png --window 2 --transfer srgb");
 }

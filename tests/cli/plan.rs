@@ -170,7 +170,7 @@ fn effects_null_effects_and_missing_models_are_told_apart() {
     assert_eq!((rows.len(), first), (6, ["shader", "likelihood-ratio", "effect", "3", "gouraud"].map(str::to_owned)));
     assert_eq!(["term", "truth", "power"].map(|name| cell(2, name)), ["mesh", "none", ""]);
     let share = |row, name| 100.0 * cell(row, name).parse::<f64>().unwrap();
-    assert!(said.contains("Effect of shader (3 logits between gouraud and "), "{said}");
+    assert!(said.contains("Effect of shader (3.00 logits between gouraud and "), "{said}");
     let (power, alarms) = (share(0, "power"), share(2, "false_alarms"));
     assert!(power > 80.0 && alarms < 30.0, "{power} {alarms}");
     // The observer has no effect of any factor, so there is no power to report.
@@ -236,7 +236,7 @@ fn a_preregistration_says_what_was_planned() {
         "- width: ratings at 0.1 are higher than at 0.8. The effect planned for is 3.10 logits.",
         "- orientation: no effect is predicted.",
         "24 conditions, each once, which makes 24 ratings",
-        "participants will be tested: the smallest number tried (2 and 6) at which the 95 % interval of the power lies at or above 80 %",
+        "participants will be tested: the smallest number tried (2 and 6) at which the 95 % interval of the power lies at or above 80\u{a0}%",
         "p below 0.05 with a higher estimate at 0.1 than at 0.8 supports the hypothesis",
         "    machband plan quick --participants 2,6 --effect width:0.1=1 --studies 100\n",
         "    machband analyze results/quick --terms width,depth,orientation_deg --link logit --slopes independent --out analysis",

@@ -29,7 +29,7 @@ fn width() -> impl Strategy<Value = f64> {
 }
 
 fn steepness() -> impl Strategy<Value = f64> {
-    prop_oneof![0.01..100.0f64, (-40.0..0.0f64).prop_map(f64::exp)]
+    prop_oneof![0.01..100.0f64, (-6.0..0.0f64).prop_map(f64::exp)]
 }
 
 fn orientation() -> impl Strategy<Value = f64> {

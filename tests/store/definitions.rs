@@ -5,7 +5,7 @@ use std::{collections::HashSet, fs, path::Path};
 
 use machband::{
     display::DisplayProfile,
-    experiment::{Identity, Order, Phase, Protocol, ResponseScale, Schedule, columns},
+    experiment::{Identity, Order, OrderedLogit, Phase, Protocol, ResponseScale, Schedule, columns},
     light::Transfer,
     stimulus::KINDS,
     store::{
@@ -226,7 +226,10 @@ fn files_that_are_not_definitions_are_reported() {
             found.iter().any(|message| message.starts_with(&start) && message.contains(part)),
             "{file}: {found:#?}"
         );
-        assert!(profile::open(Path::new(&file)).is_err() && observer::open(Path::new(&file)).is_err(), "{file}");
+        assert!(
+            profile::open(Path::new(&file)).is_err() && observer::open::<OrderedLogit>(Path::new(&file)).is_err(),
+            "{file}"
+        );
         assert!(check(&file).is_err(), "{file}");
     }
     // Line endings and a byte order mark from other systems.
@@ -387,8 +390,8 @@ fn display_profiles_and_observers_are_validated_too() {
         let error = profile::parse("p.toml", &text.replacen(from, to, 1)).expect_err(to);
         assert_error(&error, &format!("p.toml:{position}: "), part);
     }
-    assert_eq!(observer::parse("o.toml", observer::PAPER).unwrap(), Default::default());
-    assert_eq!(observer::parse("o.toml", "schema = 1\n").unwrap(), Default::default());
+    assert_eq!(observer::parse::<OrderedLogit>("o.toml", observer::PAPER).unwrap(), Default::default());
+    assert_eq!(observer::parse::<OrderedLogit>("o.toml", "schema = 1\n").unwrap(), Default::default());
     let cases = [
         ("schema = 1", "schema = 9", "schema is 9"),
         ("[0.0, 1.5, 3.5]", "[0.0, 3.5, 1.5]", "three increasing numbers"),
@@ -401,7 +404,11 @@ fn display_profiles_and_observers_are_validated_too() {
         assert_eq!(observer::PAPER.matches(from).count(), 1, "{from}");
         let text = observer::PAPER.replace(from, to);
         let line = text.lines().position(|line| line.contains(to)).unwrap() + 1;
-        assert_error(&observer::parse("o.toml", &text).expect_err(to), &format!("o.toml:{line}:"), part);
+        assert_error(
+            &observer::parse::<OrderedLogit>("o.toml", &text).expect_err(to),
+            &format!("o.toml:{line}:"),
+            part,
+        );
     }
 }
 

@@ -17,7 +17,7 @@ use machband::{
         dataset::free_participant,
         definition,
         ratings::ReadOptions,
-        results::{FRAMES_HEADER, FrameFile, frames_line},
+        results::{FRAMES_HEADER, frames_line, new_frames, open_frames},
         session::{Changes, Interrupted, SessionStore},
         sidecar::Sidecar,
     },
@@ -408,7 +408,7 @@ fn framed(results: &Path, trials: usize) -> SessionStore {
 fn frames_are_appended() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a_frames.csv");
-    let mut file = FrameFile::new(&path);
+    let mut file = new_frames(&path);
     file.append(&[]).unwrap();
     assert!(!path.exists(), "a session without frames has no file");
     let rows = [
@@ -416,22 +416,21 @@ fn frames_are_appended() {
         "2,practice,2,1,recovery,,4294967295\n",
         "1,main,2,3,response,16683.350,1\n",
         "1,main,2,1,closing,16683.350,7 8\n",
-    ]
-    .map(str::to_owned);
-    file.append(&rows[..1]).unwrap();
-    file.append(&rows[1..]).unwrap();
+    ];
+    file.append(rows[0].as_bytes()).unwrap();
+    file.append(rows[1..].concat().as_bytes()).unwrap();
     assert_eq!(fs::read_to_string(&path).unwrap(), format!("{FRAMES_HEADER}\n{}", rows.concat()));
     assert!(check(path.to_str().unwrap()).unwrap().sentence.contains("frames of a session"));
     // If a power failure truncates the file, it continues after the last complete row.
     drop(file);
     let text = fs::read_to_string(&path).unwrap();
     fs::write(&path, &text[..text.len() - 3]).unwrap();
-    FrameFile::resume(&path).unwrap().append(&rows[3..]).unwrap();
+    open_frames(&path).unwrap().append(rows[3].as_bytes()).unwrap();
     assert_eq!(fs::read_to_string(&path).unwrap(), text);
     // A foreign file is not changed.
     fs::write(&path, "name,age\n").unwrap();
-    assert!(FrameFile::resume(&path).is_err());
-    assert!(FrameFile::new(&path).append(&rows).is_err());
+    assert!(open_frames(&path).is_err());
+    assert!(new_frames(&path).append(rows[0].as_bytes()).is_err());
     assert_eq!(fs::read_to_string(&path).unwrap(), "name,age\n");
 }
 

@@ -92,7 +92,7 @@ fn resuming_refuses_a_changed_session_or_records_the_change_permanently() {
         assert_eq!(errors(&csv), "", "{what}");
         let notes = verified(&csv).notes.join("; ");
         assert!(notes.contains("accepted"), "{what}: {notes}");
-        let has_hashes = notes.contains("when sealed") && notes.contains(" now");
+        let has_hashes = notes.contains(": sha256 ") && notes.contains("; expected ");
         assert!(has_hashes || what.starts_with("the "), "{what}: {notes}");
     }
 }

@@ -16,7 +16,7 @@ use machband::{
         Columns, FileErrors,
         dataset::SessionPaths,
         definition,
-        ratings::{self, FileRead, Layout, ReadOptions, Reason, Source},
+        ratings::{self, FileRead, ReadOptions, Reason, Source},
         session::SessionStore,
         table::List,
     },
@@ -173,7 +173,7 @@ mod what_counts {
         for read in &source.files {
             // Trials 3, 7 and 11 of 0…14 were corrected.
             assert_eq!((read.rows, read.practice, read.superseded), (MAIN + PRACTICE + 3, PRACTICE, 3), "{read:?}");
-            assert_eq!((read.counted, read.ratings, read.erroneous, read.layout), (MAIN, MAIN, 0, Layout::Results));
+            assert_eq!((read.counted, read.ratings, read.erroneous), (MAIN, MAIN, 0));
         }
         // In any order of rows and columns.
         let expected = expected(&files);
@@ -807,20 +807,16 @@ mod errors {
 
     #[test]
     fn definitions_are_never_mixed() {
-        let (folder, files) = study(&["S1", "S2"]);
+        let (folder, _) = study(&["S1", "S2"]);
         let other = definition::parse("x", &TEXT.replace("0.8]", "0.7]")).unwrap();
         session(&folder.path().join("a"), &other, "S3", usize::MAX);
-        let hash = |protocol: &Protocol| definition::hash(protocol)[..12].to_owned();
-        let (source, rows) = read(&[folder.path()], &ReadOptions::default());
-        assert_eq!(sorted(rows), expected(&files));
-        assert_eq!((source.errors.len(), source.files.len()), (1, 2));
-        assert_eq!(
-            source.errors[0].message,
-            format!(
-                "is a session of the experiment small-one (definition {}) and is left out; expected a session of the experiment small-one (definition {}) like the other 2 files: only one experiment is analyzed at a time",
-                hash(&other),
-                hash(&small()),
-            )
+        let said = super::errors(&[folder.path()], &ReadOptions::default());
+        let [own, small] = [&other, &small()].map(|protocol| definition::hash(protocol)[..12].to_owned());
+        let kind = |hash: &str| format!("is a session of the experiment small-one (definition {hash})");
+        assert!(said.len() == 1 && said[0].contains(&kind(&own)) && said[0].contains(&kind(&small)), "{said:?}");
+        assert!(
+            said[0].ends_with("; expected files of one experiment")
+                && try_read(&[folder.path()], &ReadOptions::default()).is_err()
         );
     }
 

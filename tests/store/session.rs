@@ -395,9 +395,9 @@ mod machine {
                     let taken = could && !driver.session.can_undo();
                     prop_assert!(taken || !could && *state == before);
                 }
-                if let (State::Stimulus { onset, recovery, .. }, false) = (state, is_stimulus(&before)) {
+                if let (State::Stimulus { onset, .. }, State::Recovery { since }) = (state, &before) {
                     // Durations are rounded to whole refreshes, so an onset is at most half a refresh early.
-                    prop_assert!(stored && *onset == driver.now && recovery.as_micros() >= 500_000 - 8_334);
+                    prop_assert!(stored && *onset == driver.now && (*onset - *since).as_micros() >= 500_000 - 8_334);
                 }
                 let progress = driver.session.progress();
                 prop_assert!(progress.done >= done && progress.done <= 10);

@@ -366,7 +366,7 @@ const MISTAKES: &str = r##"
 [task]\nscale = "slider"\n => 6:2 => task.kind is missing; expected kind = …
 CHOICEalternatives = 3\n => 9:1 => alternatives is 3; expected 2 or 4
 [task]\nkind = "choice"\nreference = { depth = 0 }\n => 8:15 => depth 0
-[task]\nkind = "choice"\nreference = { depth = 1 }\n => 8:1 => all stimuli of a trial are the same
+[task]\nkind = "choice"\nreference = { depth = 1 }\n => 8:1 => the reference looks like the target
 [task]\nkind = "pair"\n => 1:1 => there is nothing to compare
 DEPTHSorder = "blocked:depth"\n[task]\nkind = "pair"\n => 10:1 => pairs have no levels of their own
 DEPTHS[task]\nkind = "pair"\npairs = "chain"\nalong = "low"\n => 13:1 => along "low" is not a factor; expected depth
@@ -383,7 +383,8 @@ QUESTsecond = { parameter = "width", levels = [0.1, 0.2], gradient = [1] }\n => 
 [adaptive]\nmethod = "quest-plus"\nLEVELS => 6:2 => a task of the kind rating has no levels to choose
 CHOICECONSTANTparameter = "depth"\neasier = "low"\ntrials = 9\nlevels = [2, 2.5, 3]\n => 14:14 => depth 2.5 is not a whole number
 ADJUST"depth"\nlow = 1\nhigh = 8\n => 8:1 => depth has whole numbers only
-ADJUST"low"\nlow = 0.1\nhigh = 0.5\n[response]\nkeys = ["1"]\n => 12:1 => expected none
+ADJUST"low"\nlow = 0.1\nhigh = 0.5\n[response]\nkeys = ["1"]\n => 12:1 => expected no keys
+[task]\nkind = "rating"\nscale = "slider"\n[response]\nkeys = ["1", "2"]\n => 10:1 => expected no keys
 QUESTsecond = { parameter = "low", levels = [0.1, 0.9], gradient = [1] }\n => 11:1 => high 0.75 is below low, which is 0.9
 QUESTsecond = { parameter = "low", levels = [0.1, 0.2], gradient = [0, 1, 0] }\n => 13:70 => 0 appears twice
 QUESTsecond = { parameter = "tanh_k", levels = [3, 5], gradient = [0, 1] }\n => 
@@ -400,7 +401,7 @@ QUESTtrails = 3\n => 13:1 => unknown key "trails" in [adaptive]; expected one of
 QUESTsecond = { parameter = "high", levels = [0.5, 0.6], gradient = [nan] }\n => 13:65 => is NaN; expected a finite number
 [response]\nlabels = ["a", "a"]\n => 7:16 => label "a" appears twice
 [design]\norder = "latin:width"\n => 7:1 => expected random, because there are none
-[factors]\ndepth = [1, "inf"]\nCHOICE => 10:1 => all stimuli of a trial are the same
+[factors]\ndepth = [1, "inf"]\nCHOICE => 10:1 => the reference looks like the target
 "##;
 
 #[test]
@@ -445,7 +446,7 @@ fn every_task_is_analyzed_and_none_is_taken_for_ratings() {
         let printed = succeeds(folder.path(), &["analyze", "results/tasks", "--out", "analysis"]);
         assert!(printed.starts_with("3 participants gave "), "{name}: {printed}");
         assert!(
-            printed.contains("These data are simulated: a program gave the answers in 3 sessions."),
+            printed.contains("These data are simulated: a program gave the answers of 3 sessions."),
             "{name}: {printed}"
         );
         let report = fs::read_to_string(folder.path().join("analysis/report.html")).unwrap();

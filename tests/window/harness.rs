@@ -441,7 +441,7 @@ impl Harness {
         arguments.extend(settings.map(|(name, value)| format!("--{}={value}", name.trim_end_matches("_deg"))));
         let output = self.machband(&arguments.iter().map(String::as_str).collect::<Vec<_>>());
         assert!(output.status.success(), "{output:?}");
-        image::read(&self.dir.path().join("stimulus.png")).unwrap().image
+        image::read_picture(&self.dir.path().join("stimulus.png"), None, image::MAX_PIXELS).unwrap().codes
     }
 
     /// Checks that the screen shows, byte for byte, the image that `machband stimulus` writes, on a uniform field.

@@ -13,7 +13,7 @@ use machband::app::{App, Launch};
 
 use crate::{
     common,
-    harness::{Harness, SHORT_DEFINITION, Shown, pattern, rows},
+    harness::{Harness, SCREEN, SHORT_DEFINITION, Shown, pattern, rows},
     pane::{self, Role},
 };
 
@@ -52,6 +52,7 @@ impl Desk {
             let line = geometry.lines().find_map(|line| line.strip_prefix(name)).unwrap();
             line.parse::<f32>().unwrap()
         };
+        assert!(side("HEIGHT=") < f32::from(SCREEN.1), "the window and its title bar fit the screen");
         // The copy must not write the program's file. Without a window, it has the same layout in a larger size.
         let settings = harness.dir.path().join("copy.toml");
         let text = fs::read_to_string(harness.dir.path().join("settings.toml")).unwrap();
@@ -201,7 +202,7 @@ fn escape_closes_the_innermost_thing_first() {
     desk.go(3);
     let gallery = desk.screen();
     assert!(gallery != start);
-    desk.click("Stimulus");
+    desk.click("Dither");
     assert!(desk.harness.screen() != gallery, "the list is open");
     desk.harness.press("Escape");
     assert!(desk.screen() == gallery, "Escape closes only the list");

@@ -6,6 +6,4 @@ mod table;
 
 pub use builder::MeasuredBuilder;
 pub(super) use table::{Combinations, MAX_LEVELS, crossing};
-pub use table::{
-    CountRow, Counts, Excluded, ExclusionError, Exclusions, Factor, MISSING, Measured, Part, Quartiles, Trial,
-};
+pub use table::{CountRow, Counts, Excluded, Exclusions, Factor, MISSING, Measured, Part, Trial};

@@ -6,9 +6,6 @@ use std::{
     collections::{BTreeSet, HashMap},
 };
 
-use serde::Serialize;
-use thiserror::Error;
-
 use crate::{analysis::levels, text::names::expected_one_of};
 
 /// A factor of the design and its levels.
@@ -330,16 +327,16 @@ impl Measured {
         retests
     }
 
-    /// Returns the quartiles of the response times in each group. Each time goes into the group that `group_of` returns, if
+    /// Returns the median response time in each group, in seconds. Each time goes into the group that `group_of` returns, if
     /// any.
-    pub fn times_by(&self, groups: usize, group_of: impl Fn(&Trial) -> Option<usize>) -> Vec<Option<Quartiles>> {
+    pub fn times_by(&self, groups: usize, group_of: impl Fn(&Trial) -> Option<usize>) -> Vec<Option<f64>> {
         let mut times = vec![Vec::new(); groups];
         for row in &self.trials {
             if let Some((group, seconds)) = group_of(row).zip(row.seconds) {
                 times[group].push(seconds);
             }
         }
-        times.into_iter().map(quartiles).collect()
+        times.into_iter().map(median).collect()
     }
 
     /// Returns the ratings without some factors, given by index: conditions that differ only in them are one.
@@ -417,26 +414,10 @@ impl Kept {
     }
 }
 
-/// Quartiles of response times in seconds.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Quartiles {
-    /// Number of times.
-    pub n: u64,
-    /// A quarter of the times are shorter.
-    pub lower: f64,
-    /// Half of the times are shorter.
-    pub median: f64,
-    /// Three quarters of the times are shorter.
-    pub upper: f64,
-}
-
-/// Returns the quartiles of response times, or `None` if there are no times.
-fn quartiles(mut times: Vec<f64>) -> Option<Quartiles> {
+/// Returns the smallest response time that at least half of the times do not exceed, or `None` if there are no times.
+fn median(mut times: Vec<f64>) -> Option<f64> {
     times.sort_unstable_by(f64::total_cmp);
-    // The smallest time that at least this share of the times does not exceed.
-    let quantile = |share: f64| times.get(((share * times.len() as f64).ceil() as usize).checked_sub(1)?).copied();
-    let (lower, median, upper) = (quantile(0.25)?, quantile(0.5)?, quantile(0.75)?);
-    Some(Quartiles { n: times.len() as u64, lower, median, upper })
+    times.get(times.len().div_ceil(2).checked_sub(1)?).copied()
 }
 
 // The largest study that is analyzed unless the user asks for more. Tests of all pairs of levels take quadratic time,
@@ -464,31 +445,23 @@ impl Counts {
             false => Ok(()),
         };
         at_most("factors", self.factors.len(), MAX_FACTORS)?;
+        let of_factors = self.factors.iter().flat_map(|factor| std::iter::once(&factor.name).chain(&factor.levels));
+        if let Some(long) = of_factors.chain(&self.subjects).chain(&self.categories).find(|name| name.len() > MAX_NAME)
+        {
+            let start = &long[..long.floor_char_boundary(40)];
+            at_most(&format!("bytes of the name {start:?}…"), long.len(), MAX_NAME)?;
+        }
         for factor in &self.factors {
-            let (name, _) = shortened(&factor.name);
             let as_number = match factor.numbers {
-                Some(_) => format!(" or, because all levels are numbers, the term num:{name}"),
+                Some(_) => format!(" or, because all levels are numbers, the term num:{}", factor.name),
                 None => String::new(),
             };
-            at_most(&format!("levels of {name}"), factor.levels.len(), MAX_LEVELS).map_err(|text| text + &as_number)?;
+            at_most(&format!("levels of {}", factor.name), factor.levels.len(), MAX_LEVELS)
+                .map_err(|text| text + &as_number)?;
         }
         at_most("conditions", self.conditions.len(), MAX_CONDITIONS)?;
-        at_most("participants", self.subjects.len(), MAX_PEOPLE)?;
-        let of_factors = self.factors.iter().flat_map(|factor| std::iter::once(&factor.name).chain(&factor.levels));
-        for name in of_factors.chain(&self.subjects).chain(&self.categories) {
-            let (start, is_cut) = shortened(name);
-            if is_cut {
-                at_most(&format!("bytes of the name {start:?}…"), name.len(), MAX_NAME)?;
-            }
-        }
-        Ok(())
+        at_most("participants", self.subjects.len(), MAX_PEOPLE)
     }
-}
-
-/// Returns the beginning of a name that is too long, and whether it is.
-fn shortened(name: &str) -> (&str, bool) {
-    let is_long = name.len() > MAX_NAME;
-    (if is_long { &name[..name.floor_char_boundary(40)] } else { name }, is_long)
 }
 
 /// The word for a missing level in [`Exclusions::only`]. No level has this name.
@@ -501,44 +474,6 @@ pub struct Exclusions {
     pub exclude: Vec<String>,
     /// Factors, each with the levels to keep. `NA` stands for a missing value.
     pub only: Vec<(String, Vec<String>)>,
-}
-
-/// The reason why an exclusion is impossible.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
-pub enum ExclusionError {
-    /// There is no such participant.
-    #[error("{id} is not a participant; {}", expected_one_of(.id, .known))]
-    Participant {
-        /// The name that was given.
-        id: String,
-        /// All participants.
-        known: Vec<String>,
-    },
-    /// There is no such factor.
-    #[error("{name} is not a factor; {}", expected_one_of(.name, .known))]
-    Factor {
-        /// The name that was given.
-        name: String,
-        /// All factors.
-        known: Vec<String>,
-    },
-    /// The factor has no such level.
-    #[error(
-        "{level} is not a level of {factor}; {}{}",
-        expected_one_of(.level, .known),
-        if .level.contains('=') { "; repeat the option for another factor" } else { "" }
-    )]
-    Level {
-        /// Name of the factor.
-        factor: String,
-        /// The level that was given.
-        level: String,
-        /// All levels.
-        known: Vec<String>,
-    },
-    /// Nothing is left.
-    #[error("no ratings are left; expected to keep some participants and levels")]
-    Nothing,
 }
 
 impl Counts {
@@ -591,13 +526,13 @@ impl Measured {
     /// first factor that excludes it.
     ///
     /// # Errors
-    /// A name is not known, or no ratings are left.
-    pub fn narrowed(&self, Exclusions { exclude, only }: &Exclusions) -> Result<Self, ExclusionError> {
+    /// A name is not known, or no ratings are left: the field of [`Exclusions`] that says so, and what is wrong.
+    pub fn narrowed(&self, Exclusions { exclude, only }: &Exclusions) -> Result<Self, (&'static str, String)> {
         let known = &self.counts.subjects;
         if let Some(id) = exclude.iter().find(|id| !known.contains(id)) {
-            return Err(ExclusionError::Participant { id: id.clone(), known: known.clone() });
+            return Err(("exclude", format!("{id} is not a participant; {}", expected_one_of(id, known))));
         }
-        only.iter().try_for_each(|(name, kept)| levels(&self.counts, name, kept))?;
+        only.iter().try_for_each(|(name, kept)| levels(&self.counts, name, kept)).map_err(|error| ("only", error))?;
         let mut left = self.clone();
         for id in exclude {
             // Someone who is named twice is already left out.
@@ -613,7 +548,7 @@ impl Measured {
             left = left.keeping(Part::Levels { factor: name.clone(), kept: kept.clone() }, |_| true, is_kept);
         }
         if left.counts.total() == 0 && self.counts.total() > 0 {
-            return Err(ExclusionError::Nothing);
+            return Err(("exclude", "no ratings are left; expected to keep some participants and levels".to_owned()));
         }
         Ok(left)
     }
@@ -624,7 +559,7 @@ impl Counts {
     ///
     /// # Errors
     /// A name is not known.
-    pub fn check_levels(&self, named: &[(String, Vec<String>)]) -> Result<(), ExclusionError> {
+    pub fn check_levels(&self, named: &[(String, Vec<String>)]) -> Result<(), String> {
         named.iter().try_for_each(|(name, own)| {
             let factor = self.factors.iter().find(|factor| factor.name == *name);
             let numbers: Vec<f64> =
@@ -638,14 +573,15 @@ impl Counts {
 }
 
 /// Checks the name of a factor and of its levels.
-fn levels(counts: &Counts, name: &str, kept: &[String]) -> Result<(), ExclusionError> {
-    let (index, _) = counts.factor(name).ok_or_else(|| ExclusionError::Factor {
-        name: name.to_owned(),
-        known: counts.factors.iter().map(|factor| factor.name.clone()).collect(),
-    })?;
+fn levels(counts: &Counts, name: &str, kept: &[String]) -> Result<(), String> {
+    let Some((index, _)) = counts.factor(name) else {
+        let known: Vec<&String> = counts.factors.iter().map(|factor| &factor.name).collect();
+        return Err(format!("{name} is not a factor; {}", expected_one_of(name, &known)));
+    };
     let known = counts.selectable_levels(index);
-    match kept.iter().find(|level| !known.contains(level)) {
-        Some(level) => Err(ExclusionError::Level { factor: name.to_owned(), level: level.clone(), known }),
-        None => Ok(()),
-    }
+    let unknown = kept.iter().find(|level| !known.contains(level));
+    unknown.map_or(Ok(()), |level| {
+        let repeat = if level.contains('=') { "; repeat the option for another factor" } else { "" };
+        Err(format!("{level} is not a level of {name}; {}{repeat}", expected_one_of(level, &known)))
+    })
 }

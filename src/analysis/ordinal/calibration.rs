@@ -6,11 +6,11 @@ use serde::Serialize;
 
 use super::{
     checks::{self, Checks, Order, order},
-    design::{coefficients, is_level},
+    design::coefficients,
     estimates::{self, Prediction, predictions},
     fitting::{Fitted, fit_counts},
     interactions::{Interaction, interactions},
-    likelihood_ratios::{TermTest, Withheld, nominal_tests, quantile, without_terms},
+    likelihood_ratios::{TermTest, Withheld, quantile, without_terms},
     margins::{self, Comparison, Margin, Pair},
     model::{MAX_COEFFICIENTS, Model, ModelError, ModelSpec, Random, RandomEffect},
     profile::{self, Quantity, chi_squared_limit},
@@ -21,9 +21,8 @@ use crate::{
     analysis::{
         counts::{Counts, Trial},
         frame::{Frame, find_factor},
-        levels::number_of,
     },
-    statistics::{Interval, holm},
+    statistics::Interval,
 };
 
 /// With fewer participants than this, likelihood ratios are calibrated by simulation.
@@ -32,9 +31,6 @@ pub const FEW_FOR_LIKELIHOOD_RATIOS: usize = 41;
 const FEW_BETWEEN: usize = 100;
 /// Maximum number of coefficients with profile intervals; the others have Wald intervals.
 const MAX_PROFILES: usize = 60;
-/// Smallest number of ratings for each parameter of the wider model in a test of proportional odds: its ratio then has about a
-/// χ² distribution.
-const LEAST_FOR_ODDS: u64 = 10;
 /// Number of ratings for each parameter of the wider model from which the ratio of a test without random effects has a χ²
 /// distribution.
 const MANY_PER_PARAMETER: u64 = 50;
@@ -50,8 +46,6 @@ pub struct ModelReport {
     pub model: Model,
     /// Tests of each term against the model without it.
     pub terms: Vec<TermTest>,
-    /// Tests of proportional odds.
-    pub proportional_odds: Vec<TermTest>,
     /// Tests of the two-way interactions that the model leaves out.
     pub interactions: Vec<Interaction>,
     /// The model's expected ratings in each condition on which it was fitted.
@@ -60,8 +54,6 @@ pub struct ModelReport {
     pub margins: Vec<Margin>,
     /// Differences between levels.
     pub comparisons: Vec<Comparison>,
-    /// Those that were asked for, each between two levels of a factor whose effect is the same everywhere.
-    pub contrasts: Vec<Comparison>,
     /// How ratings depend on the order of the trials, if it is known.
     pub order: Option<Order>,
     /// How well the model describes the data; only for the main analysis.
@@ -81,15 +73,12 @@ pub fn fit_with_tests(counts: &Counts, spec: &ModelSpec) -> Result<ModelReport, 
 
 fn report_with_tests(full: &Fitted) -> Result<ModelReport, ModelError> {
     let model = estimates::report(full);
-    let (terms, proportional_odds) = rayon::join(|| without_terms(full), || nominal_tests(full));
     Ok(ModelReport {
-        terms: terms?,
-        proportional_odds: proportional_odds?,
+        terms: without_terms(full)?,
         interactions: Vec::new(),
         predictions: predictions(full, &model),
         margins: margins::margins(full, &model),
         comparisons: Vec::new(),
-        contrasts: Vec::new(),
         order: None,
         checks: None,
         model,
@@ -134,7 +123,12 @@ pub fn fit_calibrated(
     }
     let full = fit_counts(counts, spec, true)?;
     let mut report = report_with_tests(&full)?;
-    withhold(&full, &mut report);
+    for (test, term) in report.terms.iter_mut().zip(full.spec.terms.iter()) {
+        // A distribution that is not accurate even if it is simulated.
+        if let Some(reason) = full.withheld(term) {
+            (test.p, test.withheld) = (None, Some(reason));
+        }
+    }
     let mut limits = usual_limits(&full);
     calibrate_tests(&full, &mut report.terms, &mut limits, calibration);
     let terms: Vec<&Term> = full.spec.terms.iter().collect();
@@ -148,7 +142,6 @@ pub fn fit_calibrated(
             reason => reason.map_or(limits[place], Err),
         };
     }
-    correct(&mut report.proportional_odds);
     report.interactions = interactions(&full, calibration.resampling);
     report.order = order(&full, calibration.trials, calibration.resampling.seed);
     if full.mixed.is_some() && full.frame.subjects.len() < FEW_FOR_LIKELIHOOD_RATIOS {
@@ -168,27 +161,8 @@ pub fn fit_calibrated(
             (own.p, own.p_holm) = (Some(p), Some(p));
         }
     }
-    report.contrasts = contrasts(&full, &report.comparisons, &wanted);
-    share_intervals(&mut report);
     report.checks = (calibration.checks).then(|| checks::checks(&full, calibration.resampling.seed));
     Ok(report)
-}
-
-/// Withholds tests whose distribution is not accurate even if it is simulated.
-fn withhold(full: &Fitted, report: &mut ModelReport) {
-    let parameters = full.frame.categories.len() - 1 + full.rank();
-    for test in report.proportional_odds.iter_mut().filter(|test| test.chi_squared.is_some()) {
-        let are_few = full.frame.total() < LEAST_FOR_ODDS * (parameters + test.df) as u64;
-        let of_people = (full.frame.subjects.len() > 1).then_some(Withheld::OwnThresholds);
-        if let Some(reason) = if are_few { Some(Withheld::FewRatings) } else { of_people } {
-            (test.p, test.withheld) = (None, Some(reason));
-        }
-    }
-    for (test, term) in report.terms.iter_mut().zip(full.spec.terms.iter()) {
-        if let Some(reason) = full.withheld(term) {
-            (test.p, test.withheld) = (None, Some(reason));
-        }
-    }
 }
 
 /// Replaces the probabilities of the tests of terms by simulated ones, and the limits of the profiles, where they are
@@ -255,21 +229,17 @@ fn needs_simulation(frame: &Frame, term: &Term) -> bool {
         || (people < FEW_BETWEEN && factors.any(|(factor, _)| !frame.counts.is_within(factor)))
 }
 
-/// Corrects the probabilities of several tests of the same kind by Holm's method.
-fn correct(tests: &mut [TermTest]) {
-    let corrected = holm(&tests.iter().map(|test| test.p).collect::<Vec<_>>());
-    tests.iter_mut().zip(corrected).for_each(|(test, p)| test.p_holm = p);
-}
-
 fn profile_coefficients(full: &Fitted, model: &mut Model, limits: &Limits) {
     let columns = &full.x.columns;
     let profiled = columns.len() <= MAX_PROFILES;
     model.coefficients.par_iter_mut().enumerate().for_each(|(column, coefficient)| {
-        let Ok(limit) = limits[columns[column].term] else {
+        let simple = simple_in(full, columns[column].term);
+        let Ok(limit) = margins::larger(limits, columns[column].term, simple) else {
             coefficient.interval = None;
             return;
         };
         let quantity = Quantity::Coefficient(column);
+        let profiled = profiled && simple.is_none();
         coefficient.interval = (coefficient.se.filter(|_| profiled && coefficient.estimate.is_finite()))
             .and_then(|se| profile::interval(full, quantity, coefficient.estimate, se, [limit; 2]))
             .or_else(|| Interval::around(coefficient.estimate, coefficient.se, limit.sqrt()));
@@ -294,38 +264,13 @@ fn profile_deviations(full: &Fitted, random: &mut RandomEffect) {
     }
 }
 
-/// Gives the coefficients in an interaction the intervals of the simple effects that they are, so that a difference has one
-/// interval.
-fn share_intervals(report: &mut ModelReport) {
-    for simple in report.comparisons.iter().filter(|own| own.at.is_some()) {
-        let values = [&simple.level, &simple.other].map(|level| number_of(level));
-        let range = if let [Some(high), Some(low)] = values { high - low } else { f64::NAN };
-        for coefficient in &mut report.model.coefficients {
-            let is_number =
-                matches!(&coefficient.parts[..], [part] if part.variable == Variable::Number(simple.factor.clone()));
-            let by = match simple {
-                _ if is_number => range,
-                _ if is_level(&coefficient.parts, &simple.factor, &simple.level) => 1.0,
-                _ if is_level(&coefficient.parts, &simple.factor, &simple.other) => -1.0,
-                _ => continue,
-            };
-            // Only the simple effect at the baseline of the other factor is the coefficient.
-            if (by * coefficient.estimate - simple.estimate).abs() < 1e-9 * simple.estimate.abs().max(1.0) {
-                coefficient.interval = simple.interval.map(|interval| interval.scaled(by.recip()));
-            }
-        }
-    }
-}
-
-/// Returns the comparisons of some pairs of levels, of factors whose effect is the same everywhere.
-fn contrasts(full: &Fitted, comparisons: &[Comparison], wanted: &[Pair]) -> Vec<Comparison> {
-    let of_pair = |(factor, [level, other]): &Pair| {
-        let term = full.spec.terms.iter().position(|term| *term == Term::factor(factor))?;
-        // If a column was dropped, a level without a coefficient is not necessarily the baseline.
-        let is_whole = full.x.dropped.iter().all(|column| column.term != term);
-        let is_own =
-            |c: &&Comparison| (&c.factor, &c.level, &c.other) == (factor, level, other) && c.at.is_none() && !c.average;
-        comparisons.iter().find(is_own).filter(|own| is_whole && !own.estimate.is_nan()).cloned()
-    };
-    wanted.iter().filter_map(of_pair).collect()
+/// Returns the interaction of two variables, given by index as a term, in which the coefficients of a main effect are simple
+/// effects at the baseline of the other factor: they have the intervals of these, so that a difference has one interval.
+fn simple_in(full: &Fitted, term: usize) -> Option<usize> {
+    let terms: Vec<&Term> = full.spec.terms.iter().collect();
+    let mut larger = (0..terms.len()).filter(|&other| other != term && terms[other].contains(terms[term]));
+    let (one, another) = (larger.next()?, larger.next());
+    let other = terms[one].variables.iter().find(|variable| !terms[term].variables.contains(variable));
+    let is_simple = another.is_none() && terms[one].variables.len() == 2 && matches!(other, Some(Variable::Factor(_)));
+    is_simple.then_some(one)
 }

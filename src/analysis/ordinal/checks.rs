@@ -10,7 +10,7 @@
 //! exchanged; the mean and the variance of the sum of the products of neighbors follow (Wald & Wolfowitz 1943, Ann. Math.
 //! Stat. 14, 378).
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -31,22 +31,23 @@ use crate::{
 
 /// Number of simulated studies for the comparison of observed with expected proportions.
 const STUDIES: u64 = 200;
-/// Maximum number of conditions whose proportions are compared.
+/// With more conditions than this, proportions are compared at the levels of the factors.
 const MAX_CELLS: usize = 300;
 
 /// Checks of a model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Checks {
-    /// Observed proportions and those in simulated studies, at each level of each factor.
+    /// Observed proportions and those in simulated studies in each condition or, if there are more than 300, at each level of
+    /// each factor.
     pub proportions: Vec<Proportion>,
-    /// The same in each condition, if there are at most 300: `factor` and `level` list the factors and levels.
-    pub cells: Vec<Proportion>,
 }
 
-/// The proportion of ratings in a category at a level of a factor.
+/// The proportion of ratings in a category in a condition or at a level of a factor.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Proportion {
+    /// Names of the factors.
     pub factor: String,
+    /// Their levels.
     pub level: String,
     pub category: String,
     pub observed: f64,
@@ -64,12 +65,10 @@ impl Proportion {
 }
 
 impl Checks {
-    /// Returns whether more proportions in the single conditions lie outside than chance allows: three standard deviations more
-    /// than 5 % of them. The conditions of a single factor are its levels.
+    /// Returns whether more proportions lie outside than chance allows: three standard deviations more than 5 % of them.
     pub fn is_poor(&self) -> bool {
-        let single = if self.cells.is_empty() { &self.proportions } else { &self.cells };
-        let (all, share) = (single.len() as f64, 0.05);
-        let outside = single.iter().filter(|cell| cell.is_outside()).count() as f64;
+        let (all, share) = (self.proportions.len() as f64, 0.05);
+        let outside = self.proportions.iter().filter(|proportion| proportion.is_outside()).count() as f64;
         outside > all * share + 3.0 * (all * share * (1.0 - share)).sqrt()
     }
 }
@@ -120,11 +119,9 @@ pub(super) fn checks(full: &Fitted, seed: u64) -> Checks {
         }
         proportions
     };
-    let has_cells = described.len() > 1 && (2..=MAX_CELLS).contains(&counts.combinations(&described).all.len());
-    Checks {
-        proportions: described.iter().flat_map(|factor| compare(&[*factor])).collect(),
-        cells: if has_cells { compare(&described) } else { Vec::new() },
-    }
+    let has_many = counts.combinations(&described).all.len() > MAX_CELLS;
+    let each = || described.iter().flat_map(|factor| compare(&[*factor])).collect();
+    Checks { proportions: if has_many { each() } else { compare(&described) } }
 }
 
 /// How ratings depend on the order of the trials.
@@ -170,10 +167,10 @@ struct Residual {
 }
 
 /// Returns the residual of a rating: of a participant and a category, given as in the frame, in a condition.
-fn residuals<'a>(fitted: &'a Fitted, layout: &'a Layout) -> impl FnMut(usize, u32, usize) -> Residual + use<'a> {
+fn residuals<'a>(fitted: &'a Fitted, layout: &'a Layout) -> impl Fn(usize, u32, usize) -> Residual + use<'a> {
     let Layout { data, row_of } = layout;
     let mixed = fitted.usable();
-    let parameters = fitted.searched(mixed, data);
+    let parameters = fitted.searched(data);
     let (location, weights) = (data.location(&parameters), data.weights(&parameters));
     let (own, _) = fitted.random.effects();
     let people = fitted.frame.subjects.len();
@@ -183,24 +180,19 @@ fn residuals<'a>(fitted: &'a Fitted, layout: &'a Layout) -> impl FnMut(usize, u3
         true if slot < own => modes[0][subject * own + slot],
         true => modes[0][people * own + slot - own],
     };
-    let of = move |subject: usize, condition: u32| -> Vec<Residual> {
+    move |subject, condition, category| {
         let (row, slots) = (row_of[condition as usize], data.loadings.slots_per_row);
         let slots = weights[row * slots..(row + 1) * slots].iter();
         let effect = |mixed: &MixedFit| slots.map(|(slot, weight)| weight * mode(&mixed.modes, subject, *slot)).sum();
         let at = location[row] + mixed.map_or(0.0, effect);
-        let category = |category| {
+        let cell = |category| {
             let (a, b) = category_bounds(&parameters.as_slice()[..data.thresholds()], category);
             let cell = data.link.cell(a - at, b - at);
             (cell.log_p.exp(), -cell.a - cell.b)
         };
-        let categories: Vec<(f64, f64)> = (0..data.categories).map(category).collect();
-        let information = categories.iter().map(|(p, score)| p * score * score).sum::<f64>();
-        let residual = |(_, score)| Residual { score, information, standard: score / information.sqrt() };
-        categories.into_iter().map(residual).collect()
-    };
-    let mut known = HashMap::new();
-    move |subject, condition, category| {
-        known.entry((subject, condition)).or_insert_with(|| of(subject, condition))[category]
+        let information = (0..data.categories).map(cell).map(|(p, score)| p * score * score).sum::<f64>();
+        let (_, score) = cell(category);
+        Residual { score, information, standard: score / information.sqrt() }
     }
 }
 
@@ -217,27 +209,22 @@ struct Timed {
 /// Subtracts from each place what the participant and the location of the model tell about it: the weighted regression on
 /// both.
 fn project(timed: &mut [Timed], design: &DMatrix<f64>) {
-    let mut cells: BTreeMap<(usize, usize), [f64; 2]> = BTreeMap::new();
-    for one in &*timed {
-        let cell = cells.entry((one.subject, one.row)).or_default();
-        cell[0] += one.residual.information;
-        cell[1] += one.residual.information * one.x;
-    }
     let terms = design.ncols();
+    let row = |one: &Timed| design.row(one.row).transpose();
     let mut means = HashMap::new();
     let (mut normal, mut right) = (DMatrix::zeros(terms, terms), DVector::zeros(terms));
-    let cells: Vec<_> = cells.into_iter().collect();
-    for own in cells.chunk_by(|l, r| l.0.0 == r.0.0) {
-        let all: f64 = own.iter().map(|(_, [weight, _])| weight).sum();
-        let row = |row: usize| design.row(row).transpose();
-        let mean = own.iter().map(|((_, of), [weight, _])| row(*of) * (weight / all)).sum::<DVector<f64>>();
-        let mean_x = own.iter().map(|(_, [_, product])| product).sum::<f64>() / all;
-        for ((_, of), [weight, product]) in own {
-            let centered = row(*of) - &mean;
-            normal.ger(*weight, &centered, &centered, 1.0);
-            right.axpy(product - weight * mean_x, &centered, 1.0);
+    for own in timed.chunk_by_mut(|l, r| l.subject == r.subject) {
+        let all: f64 = own.iter().map(|one| one.residual.information).sum();
+        let share = |one: &Timed| one.residual.information / all;
+        let mean = own.iter().map(|one| row(one) * share(one)).sum::<DVector<f64>>();
+        let mean_x: f64 = own.iter().map(|one| one.x * share(one)).sum();
+        for one in &mut *own {
+            one.x -= mean_x;
+            let centered = row(one) - &mean;
+            normal.ger(one.residual.information, &centered, &centered, 1.0);
+            right.axpy(one.residual.information * one.x, &centered, 1.0);
         }
-        means.insert(own[0].0.0, (mean, mean_x));
+        means.insert(own[0].subject, mean);
     }
     // A term that is constant within participants tells nothing more.
     let tolerance = 1e-9 * normal.diagonal().max();
@@ -245,8 +232,7 @@ fn project(timed: &mut [Timed], design: &DMatrix<f64>) {
     let inverse = if terms > 0 { normal.pseudo_inverse(tolerance).ok() } else { None };
     let slopes = inverse.map_or_else(|| DVector::zeros(terms), |inverse| inverse * right);
     for one in timed {
-        let (mean, mean_x) = &means[&one.subject];
-        one.x -= mean_x + (design.row(one.row).transpose() - mean).dot(&slopes);
+        one.x -= (row(one) - &means[&one.subject]).dot(&slopes);
     }
 }
 
@@ -265,7 +251,7 @@ pub(super) fn order(fitted: &Fitted, trials: &[Trial], seed: u64) -> Option<Orde
     let session = |(_, trial): &(f64, &Trial)| (trial.subject, trial.session);
     placed.sort_by(|l, r| session(l).cmp(&session(r)).then(l.0.total_cmp(&r.0)));
     let layout = lay_out(fitted, false);
-    let mut residual = residuals(fitted, &layout);
+    let residual = residuals(fitted, &layout);
     let mut scores = vec![0.0; fitted.frame.subjects.len()];
     let mut timed = Vec::new();
     let (mut products, mut expected, mut variance, mut squares) = (0.0, 0.0, 0.0, 0.0);

@@ -1,14 +1,13 @@
-//! The cumulative-link model P(Y ≤ j) = F(θ_j + w·α_j − x·β), fitted to counts by Newton's method.
+//! The cumulative-link model P(Y ≤ j) = F(θ_j − x·β), fitted to counts by Newton's method.
 //!
-//! β shifts the scale (McCullagh 1980), and α gives a term a separate effect at each threshold (partial proportional
-//! odds). The signs are those of R's `ordinal` and of `statsmodels`: a positive β means higher ratings. The
-//! log-likelihood is concave (Pratt 1981).
+//! β shifts the scale (McCullagh 1980). The signs are those of R's `ordinal` and of `statsmodels`: a positive β means
+//! higher ratings. The log-likelihood is concave (Pratt 1981).
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::link::Link;
 
-/// Counts by design row and category, and the two design matrices.
+/// Counts by design row and category, and the design matrix.
 #[derive(Clone, Debug)]
 pub(super) struct ClmData {
     pub link: Link,
@@ -16,8 +15,6 @@ pub(super) struct ClmData {
     pub x: DMatrix<f64>,
     /// A known part of the location.
     pub offset: DVector<f64>,
-    /// Terms with a separate effect at each threshold.
-    pub nominal: DMatrix<f64>,
     /// Number of ratings in each row and category.
     pub counts: DMatrix<f64>,
 }
@@ -36,7 +33,7 @@ pub(super) enum FitEnd {
 /// A maximum of the likelihood.
 #[derive(Clone, Debug)]
 pub(super) struct ClmFit {
-    /// θ, α (for each column, one value per threshold) and β, in this order.
+    /// θ and β, in this order.
     pub parameters: DVector<f64>,
     pub loglik: f64,
     /// Largest absolute element of the gradient.
@@ -68,13 +65,8 @@ impl ClmData {
         self.categories() - 1
     }
 
-    /// Returns the index of the first β.
-    pub fn first_beta(&self) -> usize {
-        self.thresholds() * (1 + self.nominal.ncols())
-    }
-
     pub fn parameters(&self) -> usize {
-        self.first_beta() + self.x.ncols()
+        self.thresholds() + self.x.ncols()
     }
 
     pub fn ratings(&self) -> f64 {
@@ -82,7 +74,7 @@ impl ClmData {
     }
 
     /// Returns starting values: thresholds that reproduce the pooled ratings, and 0 for everything else.
-    pub fn start(&self) -> DVector<f64> {
+    fn start(&self) -> DVector<f64> {
         let mut parameters = DVector::zeros(self.parameters());
         let total = self.ratings();
         let mut below = 0.0;
@@ -95,46 +87,22 @@ impl ClmData {
 
     /// Computes the bounds η_1 … η_(K−1) of a row.
     fn bounds(&self, parameters: &DVector<f64>, row: usize, bounds: &mut [f64]) {
-        let dot = |matrix: &DMatrix<f64>, first: usize, stride: usize| -> f64 {
-            (0..matrix.ncols()).map(|c| matrix[(row, c)] * parameters[first + c * stride]).sum()
-        };
-        let thresholds = self.thresholds();
-        let location = self.offset[row] + dot(&self.x, self.first_beta(), 1);
-        for (j, bound) in bounds.iter_mut().enumerate() {
-            *bound = parameters[j] + dot(&self.nominal, thresholds + j, thresholds) - location;
-        }
+        let first = self.thresholds();
+        let shift: f64 = (0..self.x.ncols()).map(|c| self.x[(row, c)] * parameters[first + c]).sum();
+        let location = self.offset[row] + shift;
+        bounds.iter_mut().zip(parameters.iter()).for_each(|(bound, threshold)| *bound = threshold - location);
     }
 
     /// Computes the gradient of bound `j` of a row with respect to the parameters.
     fn bound_gradient(&self, row: usize, j: usize, gradient: &mut DVector<f64>) {
         gradient.fill(0.0);
-        let thresholds = self.thresholds();
         gradient[j] = 1.0;
-        for c in 0..self.nominal.ncols() {
-            gradient[thresholds * (1 + c) + j] = self.nominal[(row, c)];
-        }
         for c in 0..self.x.ncols() {
-            gradient[self.first_beta() + c] = -self.x[(row, c)];
+            gradient[self.thresholds() + c] = -self.x[(row, c)];
         }
     }
 
-    /// Returns the log-likelihood, or −∞ if a rating that occurs has a probability of 0.
-    pub fn loglik(&self, parameters: &DVector<f64>) -> f64 {
-        let mut bounds = vec![0.0; self.thresholds()];
-        let mut sum = 0.0;
-        for row in 0..self.counts.nrows() {
-            self.bounds(parameters, row, &mut bounds);
-            for k in 0..self.categories() {
-                let count = self.counts[(row, k)];
-                if count > 0.0 {
-                    let (a, b) = category_bounds(&bounds, k);
-                    sum += count * if a > b { self.link.cell(a, b).log_p } else { f64::NEG_INFINITY };
-                }
-            }
-        }
-        if sum.is_nan() { f64::NEG_INFINITY } else { sum }
-    }
-
+    /// Returns the log-likelihood, which is not finite if a rating that occurs has no probability, and its derivatives.
     fn derivatives(&self, parameters: &DVector<f64>) -> Derivatives {
         let (size, thresholds) = (self.parameters(), self.thresholds());
         let mut sum =
@@ -215,10 +183,10 @@ impl ClmData {
     }
 
     /// Finds the maximum of the likelihood by Newton's method with step halving.
-    pub fn fit(&self, start: DVector<f64>) -> ClmFit {
+    pub fn fit(&self) -> ClmFit {
         const MAX_ITERATIONS: usize = 200;
         let tolerance = tolerance(self.ratings());
-        let mut parameters = start;
+        let mut parameters = self.start();
         let mut current = self.derivatives(&parameters);
         let mut end = FitEnd::Stalled;
         for _ in 0..MAX_ITERATIONS {
@@ -247,8 +215,7 @@ impl ClmData {
                 }
                 break;
             };
-            parameters = next;
-            current = self.derivatives(&parameters);
+            (parameters, current) = next;
         }
         ClmFit {
             loglik: current.loglik,
@@ -260,7 +227,7 @@ impl ClmData {
     }
 
     /// Tries the full step and then repeatedly halves it. Returns the first point that does not lower the likelihood.
-    fn halve(&self, from: &DVector<f64>, at: &Derivatives, step: &DVector<f64>) -> Option<DVector<f64>> {
+    fn halve(&self, from: &DVector<f64>, at: &Derivatives, step: &DVector<f64>) -> Option<(DVector<f64>, Derivatives)> {
         let slack = 1e-13 * at.loglik.abs();
         let mut factor = 1.0;
         for _ in 0..40 {
@@ -268,8 +235,9 @@ impl ClmData {
             if candidate == *from {
                 return None;
             }
-            if self.loglik(&candidate) >= at.loglik - slack {
-                return Some(candidate);
+            let there = self.derivatives(&candidate);
+            if there.loglik >= at.loglik - slack {
+                return Some((candidate, there));
             }
             factor /= 2.0;
         }

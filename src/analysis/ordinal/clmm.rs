@@ -186,7 +186,7 @@ impl ClmmData {
 
     /// Returns the number of parameters: θ, β and ψ.
     pub fn parameters(&self) -> usize {
-        self.first_psi() + self.loadings.parameters()
+        self.first_psi() + self.loadings.parameters
     }
 
     pub fn ratings(&self) -> f64 {
@@ -353,7 +353,7 @@ impl ClmmData {
             }
             information
         });
-        let mut known = vec![Vec::new(); self.loadings.parameters()];
+        let mut known = vec![Vec::new(); self.loadings.parameters];
         informations.into_iter().flatten().for_each(|(parameter, information)| known[parameter].push(information));
         let mean = |own: Vec<f64>| {
             let least = 0.01 * own.iter().copied().fold(0.0, f64::max);

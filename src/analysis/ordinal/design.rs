@@ -121,19 +121,12 @@ impl Design {
     /// Keeps only the columns that are not combinations of an intercept and the columns before them.
     #[must_use]
     pub fn independent(self, frame: &Frame) -> Self {
-        self.independent_of(&Self::default(), frame)
-    }
-
-    /// Keeps only the columns that are not combinations of an intercept, the columns of another design and the columns
-    /// before them.
-    pub fn independent_of(&self, other: &Self, frame: &Frame) -> Self {
         let conditions = frame.conditions();
-        let (theirs, ours) = (other.matrix(&conditions), self.matrix(&conditions));
+        let own = self.matrix(&conditions);
         let mut span = Span::with_constant(conditions.len());
-        theirs.column_iter().for_each(|column| _ = span.add(column));
-        let mut kept = ours.column_iter().map(|column| span.add(column));
-        let (columns, dropped) = self.columns.iter().cloned().partition(|_| kept.next() == Some(true));
-        Self { columns, dropped, offset: self.offset.clone() }
+        let mut kept = own.column_iter().map(|column| span.add(column));
+        let (columns, dropped) = self.columns.into_iter().partition(|_| kept.next() == Some(true));
+        Self { columns, dropped, offset: self.offset }
     }
 }
 

@@ -132,7 +132,7 @@ fn random_effect(fitted: &Fitted, mixed: &MixedFit, covariance: Option<(&DMatrix
         Some(SubjectMode {
             subject: subject.clone(),
             mode: psi[0] * mixed.modes[block][effect],
-            sd: psi[0] * variance.sqrt(),
+            sd: psi[0].abs() * variance.sqrt(),
         })
     };
     let slopes = size - usize::from(part.is_crossed());
@@ -260,9 +260,8 @@ fn note_mixed(fitted: &Fitted, notes: &mut Vec<Note>) {
     }
     notes.extend(match fitted.mixed.as_ref().map(|mixed| mixed.end) {
         Some(MixedFitEnd::Boundary) => Some(Note::NoSubjectVariance), // and no variance of the effects
-        Some(MixedFitEnd::Diverged) => Some(Note::RunawayVariance),
         Some(MixedFitEnd::Converged | MixedFitEnd::Stalled) => None,
-        None => Some(Note::NoMixedModel),
+        Some(MixedFitEnd::Diverged) | None => Some(Note::NoMixedModel),
     });
     let Some(mixed) = fitted.usable() else { return };
     let part = &fitted.random;

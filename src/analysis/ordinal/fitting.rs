@@ -91,8 +91,8 @@ pub(super) fn fit_terms<'a>(
         None => Design::new(&frame, &spec.terms)?,
     };
     let x = x.independent(&frame);
-    let (data, standard) = clm_data(&frame, spec.link, &x, &Design::default());
-    let clm = fit_clm(&data)?;
+    let (data, standard) = clm_data(&frame, spec.link, &x);
+    let clm = data.fit();
     let random = match how.near {
         Some(near) => near.random.clone(),
         None => RandomPart::new(&frame, &spec, &mut notes)?,
@@ -104,36 +104,26 @@ pub(super) fn fit_terms<'a>(
     Ok(fitted)
 }
 
-pub(super) fn fit_clm(data: &ClmData) -> Result<ClmFit, ModelError> {
-    let start = data.start();
-    if !data.loglik(&start).is_finite() {
-        return Err(ModelError::NoLikelihood);
-    }
-    Ok(data.fit(start))
-}
-
-/// Returns the counts for each distinct row of two designs, and the standardization of the location.
-pub(super) fn clm_data(frame: &Frame, link: Link, x: &Design, nominal: &Design) -> (ClmData, Standard) {
-    let (conditions, row_of) = distinct_rows(frame, &[x, nominal], &RandomPart::default());
+/// Returns the counts for each distinct row of a design, and the standardization of its columns.
+fn clm_data(frame: &Frame, link: Link, x: &Design) -> (ClmData, Standard) {
+    let (conditions, row_of) = distinct_rows(frame, x, &RandomPart::default());
     let mut counts = DMatrix::zeros(conditions.len(), frame.categories.len());
     for row in &frame.rows {
         counts[(row_of[row.condition as usize], usize::from(row.rating))] += row.count as f64;
     }
     let offset = x.offset(&conditions);
     let (x, standard) = Standard::of(x.matrix(&conditions));
-    let (nominal, _) = Standard::of(nominal.matrix(&conditions));
-    (ClmData { link, x, offset, nominal, counts }, standard)
+    (ClmData { link, x, offset, counts }, standard)
 }
 
-/// Returns one condition for each distinct row of some designs and a random part, and the index of each condition's
-/// row; 0 for a condition that does not occur.
-fn distinct_rows(frame: &Frame, designs: &[&Design], random: &RandomPart) -> (Vec<u32>, Vec<usize>) {
+/// Returns one condition for each distinct row of a design and a random part, and the index of each condition's row; 0
+/// for a condition that does not occur.
+fn distinct_rows(frame: &Frame, design: &Design, random: &RandomPart) -> (Vec<u32>, Vec<usize>) {
     let mut rows: HashMap<Vec<u64>, usize> = HashMap::new();
     let mut conditions = Vec::new();
     let mut row_of = vec![0; frame.counts.conditions.len()];
     for condition in frame.conditions() {
-        let fixed = designs.iter().flat_map(|design| design.key(condition));
-        let key = fixed.chain(random.key(condition)).collect();
+        let key = design.key(condition).into_iter().chain(random.key(condition)).collect();
         row_of[condition as usize] = *rows.entry(key).or_insert_with(|| {
             conditions.push(condition);
             conditions.len() - 1
@@ -158,7 +148,7 @@ pub(super) fn layout(fitted: &Fitted) -> Layout {
 /// Lays out the data of the mixed model; as if each participant had effects of their own if not `crossed`.
 pub(super) fn lay_out(fitted: &Fitted, crossed: bool) -> Layout {
     let frame = &fitted.frame;
-    let (conditions, row_of) = distinct_rows(frame, &[&fitted.x], &fitted.random);
+    let (conditions, row_of) = distinct_rows(frame, &fitted.x, &fitted.random);
     let mut design: Vec<(usize, u32)> = conditions.iter().map(|condition| (0, *condition)).collect();
     if crossed {
         design.clear();
@@ -292,9 +282,9 @@ impl Fitted<'_> {
     }
 
     /// Returns θ, β and ψ of a mixed model; without one, those of the model without random effects, with ψ = 0.
-    pub(super) fn searched(&self, mixed: Option<&MixedFit>, data: &ClmmData) -> DVector<f64> {
+    pub(super) fn searched(&self, data: &ClmmData) -> DVector<f64> {
         let plain = || self.clm.parameters.clone().resize_vertically(data.parameters(), 0.0);
-        mixed.map_or_else(plain, |mixed| mixed.parameters.clone())
+        self.usable().map_or_else(plain, |mixed| mixed.parameters.clone())
     }
 
     /// Returns the number of estimated parameters.

@@ -175,8 +175,8 @@ struct Residuals {
 impl Residuals {
     fn of(full: &Fitted) -> Self {
         let Layout { data, .. } = layout(full);
-        let parameters = full.searched(full.mixed.as_ref(), &data);
-        let modes = full.mixed.as_ref().map_or_else(|| data.modes(), |mixed| mixed.modes.clone());
+        let parameters = full.searched(&data);
+        let modes = full.usable().map_or_else(|| data.modes(), |mixed| mixed.modes.clone());
         let mut information = DVector::zeros(data.x.nrows());
         let of_subjects = data.residuals(&parameters, &modes);
         of_subjects.iter().flatten().for_each(|(row, _, own)| information[*row] += own);

@@ -1,16 +1,15 @@
-//! Likelihood-ratio tests of each term and of proportional odds.
+//! Likelihood-ratio tests of each term.
 
 use rayon::prelude::*;
 use serde::Serialize;
 use thiserror::Error;
 
 use super::{
-    clm::{ClmData, FitEnd},
-    design::Design,
-    fitting::{Fitted, How, clm_data, fit_clm, fit_terms},
+    clm::FitEnd,
+    fitting::{Fitted, How, fit_terms},
     model::ModelError,
     search::MixedFitEnd,
-    terms::{Term, Terms},
+    terms::Term,
 };
 use crate::statistics::{chi_squared_quantile, chi_squared_tail};
 
@@ -30,8 +29,6 @@ pub struct TermTest {
     pub draws: Option<usize>,
     /// The Monte Carlo standard error of that probability; `None` if it is extrapolated.
     pub p_error: Option<f64>,
-    /// The probability corrected for the number of tests of the same kind (Holm); only for checks of assumptions.
-    pub p_holm: Option<f64>,
     /// Why there is no probability.
     pub withheld: Option<Withheld>,
 }
@@ -46,7 +43,7 @@ const LEAST_PER_LEVEL: usize = 3;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Error)]
 #[serde(rename_all = "kebab-case")]
 pub enum Withheld {
-    /// One of the two models has no maximum, or too many parameters.
+    /// One of the two models has no maximum, or the interaction has too many columns.
     #[error("one of the two models has no maximum or too many parameters")]
     NoRatio,
     /// A level of a factor that varies only between participants, or only between items, has too few of them.
@@ -77,9 +74,6 @@ pub enum Withheld {
         "the interaction has more than six coefficients, which are too many with items or fewer than six participants"
     )]
     FewPeople,
-    /// Participants who differ in the effect or in their thresholds look like effects that differ along the scale.
-    #[error("differences between people in the effect or in their use of the scale would look like a violation")]
-    OwnThresholds,
     /// More than a tenth of the simulated studies allowed no fit.
     #[error("more than a tenth of the simulated studies allowed no fit")]
     TooFew,
@@ -174,42 +168,6 @@ pub(super) fn comparable(one: &Fitted, other: &Fitted) -> bool {
     fine(one) && fine(other) && one.mixed.is_some() == other.mixed.is_some()
 }
 
-/// Maximum number of parameters for a test of proportional odds. A separate effect of each level at each threshold
-/// needs levels × thresholds parameters, and the time for a fit grows with the cube of their number. On a scale of 101
-/// steps, the test would be useless.
-const MAX_NOMINAL: usize = 300;
-
-/// Tests the proportional odds of each term. The random effects are omitted, because this checks the scale and not the
-/// effects. With two categories, there is one threshold and nothing to test.
-pub(super) fn nominal_tests(full: &Fitted) -> Result<Vec<TermTest>, ModelError> {
-    if full.frame.categories.len() < 3 {
-        return Ok(Vec::new());
-    }
-    full.spec.terms.iter().collect::<Vec<_>>().into_par_iter().map(|term| nominal_test(full, term)).collect()
-}
-
-/// This part of a rating is added to each category of each condition, so that every threshold of the wider model has a
-/// finite estimate and no threshold passes another. It lowers the log-likelihood by less than 1e-5 per empty cell.
-const PART_OF_A_RATING: f64 = 1e-5;
-
-/// Tests the proportional odds of a term: it gets a separate effect at each threshold, which is compared with one common
-/// effect (R's `nominal_test`). In every condition, the thresholds of the wider model are in order, so the ratio cannot
-/// exceed that of the saturated model. A test with more than [`MAX_NOMINAL`] parameters is not performed.
-fn nominal_test(full: &Fitted, term: &Term) -> Result<TermTest, ModelError> {
-    let own = Terms::new([term.clone()]);
-    let nominal = Design::new(&full.frame, &own)?.independent(&full.frame);
-    let x = full.x.independent_of(&nominal, &full.frame);
-    let (data, _) = clm_data(&full.frame, full.spec.link, &x, &nominal);
-    let thresholds = data.thresholds();
-    let df = (thresholds * nominal.columns.len() + x.columns.len()).saturating_sub(full.x.columns.len());
-    let feasible = thresholds * (1 + nominal.columns.len()) + x.columns.len() <= MAX_NOMINAL;
-    let raised = ClmData { counts: data.counts.add_scalar(PART_OF_A_RATING), ..data.clone() };
-    let fit = if feasible { fit_clm(&raised).ok() } else { None };
-    let fit = fit.filter(|fit| fit.end != FitEnd::Stalled && full.clm.end != FitEnd::Stalled);
-    let difference = fit.map(|fit| data.loglik(&fit.parameters) - full.clm.loglik);
-    Ok(TermTest::new(term, difference.filter(|difference| difference.is_finite()), df))
-}
-
 impl TermTest {
     /// Creates a test from the difference of two log-likelihoods.
     pub(super) fn new(term: &Term, difference: Option<f64>, df: usize) -> Self {
@@ -221,7 +179,6 @@ impl TermTest {
             p: lr.map(|lr| chi_squared_tail(lr, df)),
             draws: None,
             p_error: None,
-            p_holm: None,
             withheld: lr.is_none().then_some(if df == 0 { Withheld::Aliased } else { Withheld::NoRatio }),
         }
     }

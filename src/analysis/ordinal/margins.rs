@@ -170,7 +170,7 @@ pub(super) fn comparisons(
 ) -> Vec<Comparison> {
     let terms = &fitted.spec.terms;
     let mut all = Vec::new();
-    for (term, &limit) in terms.iter().zip(limits) {
+    for (place, (term, &limit)) in terms.iter().zip(limits).enumerate() {
         if terms.is_marginal(term) {
             let test = tests.iter().find(|test| test.term == *term && test.p.is_some());
             if let ([factor @ Variable::Factor(_)], Some(test)) = (&term.variables[..], test) {
@@ -180,8 +180,7 @@ pub(super) fn comparisons(
         }
         let with_main = |factor: &Variable| {
             let main = terms.iter().position(|term| term.variables == [factor.clone()]);
-            let main = main.map_or(limit, |main| limits[main]);
-            limit.and_then(|limit| main.map(|main| main.max(limit)))
+            larger(limits, place, main)
         };
         match &term.variables[..] {
             [factor @ Variable::Factor(_)] => all.extend(compare(fitted, model, factor, Scope::All(wanted), limit)),
@@ -197,6 +196,12 @@ pub(super) fn comparisons(
         }
     }
     all
+}
+
+/// Returns the larger limit of two terms, given by index, or the reason why there is none.
+pub(super) fn larger(limits: &[Result<f64, Withheld>], one: usize, other: Option<usize>) -> Result<f64, Withheld> {
+    let limit = limits[one]?;
+    other.map_or(Ok(limit), |other| limits[other].map(|other| other.max(limit)))
 }
 
 /// Where levels are compared.
@@ -237,9 +242,11 @@ fn compare(
     };
     let values = values_of(&model.categories);
     let rows = |level: u32, stratum: Option<u32>| cells.get(&[level].into_iter().chain(stratum).collect::<Vec<_>>());
-    // Simple effects and comparisons with a column that was dropped have no such ratio.
-    let is_main = |parts: &[TermPart]| matches!(parts, [part] if part.variable == *factor);
-    let is_whole = fitted.x.columns.iter().filter(|column| is_main(&column.parts)).count() + 1 == levels.len();
+    // If a column was dropped, a level without a coefficient is not necessarily the baseline.
+    let is_main = |column: &Column| matches!(&column.parts[..], [part] if part.variable == *factor);
+    if !matches!(scope, Scope::At(_)) && fitted.x.dropped.iter().any(is_main) {
+        return Vec::new();
+    }
     let column = |level: u32| {
         let name = name(own, level);
         fitted.x.columns.iter().position(|column| is_level(&column.parts, factor.name(), &name))
@@ -250,7 +257,7 @@ fn compare(
         (None, None) => None,
     };
     let ratio = |level: u32, lower: u32| match scope {
-        Scope::All(_) if is_whole => ratio_at_zero(fitted, quantity(level, lower)?),
+        Scope::All(_) => ratio_at_zero(fitted, quantity(level, lower)?),
         Scope::Average(test) if test.df == 1 => test.chi_squared,
         _ => None,
     };
@@ -261,7 +268,7 @@ fn compare(
             let sign = signs.into_iter().find(|sign| (sign * own.estimate - estimate).abs() < 1e-9)?;
             own.interval.map(|interval| interval.scaled(sign))
         }
-        (_, quantity) if is_whole && is_wanted(levels) && estimate.is_finite() && se.is_finite() => {
+        (_, quantity) if is_wanted(levels) && estimate.is_finite() && se.is_finite() => {
             profile::interval(fitted, quantity, estimate, se, [limit.ok()?; 2])
         }
         _ => None,

@@ -322,15 +322,10 @@ pub enum Note {
     /// The correlated random effects have a variance of 0 in some direction.
     #[error("the covariance matrix of the random effects is singular, so their correlations are not reliable")]
     SingularCovariance,
-    /// Each participant uses a single category, so the variance between participants, or an effect within participants,
-    /// has no finite estimate.
+    /// The variance between participants, or an effect within participants, has no finite estimate, or the ratings are separated
+    /// in such a way that no mixed model can be fitted.
     #[error(
-        "the mixed model has no finite estimates: hardly any participant uses more than one category under the same conditions; the estimates ignore that ratings by the same participant are related, so there are no standard errors, intervals or tests"
-    )]
-    RunawayVariance,
-    /// The ratings are separated in such a way that no mixed model can be fitted.
-    #[error(
-        "no mixed model could be fitted: the estimates ignore that ratings by the same participant are related, so there are no standard errors, intervals or tests"
+        "no mixed model could be fitted, as where hardly any participant uses more than one category under the same conditions: the estimates ignore that ratings by the same participant are related, so there are no standard errors, intervals or tests"
     )]
     NoMixedModel,
     /// The iteration ended before the gradient became small.
@@ -397,7 +392,4 @@ pub enum ModelError {
         /// Maximum number of effects.
         most: usize,
     },
-    /// The likelihood is not finite at the starting values.
-    #[error("the likelihood cannot be computed at the starting values")]
-    NoLikelihood,
 }

@@ -203,15 +203,6 @@ impl RandomPart {
     }
 }
 
-/// Returns the effects in which participants may differ, where the design supports it.
-///
-/// # Errors
-/// Returns [`ModelError::TooManySlopes`] if correlated slopes have too many covariances.
-pub(crate) fn terms_with_slopes(frame: &Frame, spec: &ModelSpec) -> Result<Vec<Term>, ModelError> {
-    let part = RandomPart::new(frame, spec, &mut Vec::new())?;
-    Ok(part.components.into_iter().skip(1).map(|component| component.term).collect())
-}
-
 /// Returns the variables of a term of which any participant rated several levels.
 pub(super) fn within_part(frame: &Frame, term: &Term) -> Result<Term, ModelError> {
     let mut variables = Vec::new();
@@ -270,8 +261,8 @@ pub(super) struct Loadings {
     pub blocks: Blocks,
     /// Index of a participant's intercept among the participant's effects.
     pub intercept: usize,
-    /// The row and the column of each parameter ψ in the Cholesky factor of the covariance.
-    elements: Vec<(usize, usize)>,
+    /// Number of parameters ψ.
+    pub parameters: usize,
     pub slots_per_row: usize,
     /// The effect of each slot, row by row.
     slots: Vec<usize>,
@@ -336,7 +327,7 @@ impl Loadings {
             entries,
             deviations: (0..elements.len()).filter(is_deviation).collect(),
             independent: !part.correlated,
-            elements,
+            parameters: elements.len(),
         }
     }
 
@@ -344,27 +335,14 @@ impl Loadings {
         self.blocks.number * self.blocks.size + self.blocks.rest
     }
 
-    /// Returns the number of parameters ψ.
-    pub fn parameters(&self) -> usize {
-        self.elements.len()
-    }
-
     pub fn entries(&self, row: usize) -> &[Entry] {
-        &self.entries[row * self.parameters()..(row + 1) * self.parameters()]
-    }
-
-    /// Returns the parameters and the effects that change sign together with a standard deviation: its column of the
-    /// Cholesky factor, or itself and its groups.
-    pub fn sign_partners(&self, deviation: usize) -> (Vec<usize>, BTreeSet<usize>) {
-        let (_, own) = self.elements[deviation];
-        let parameters = (0..self.parameters()).filter(|parameter| self.elements[*parameter].1 == own).collect();
-        (parameters, self.slots.iter().skip(own).step_by(self.slots_per_row).copied().collect())
+        &self.entries[row * self.parameters..(row + 1) * self.parameters]
     }
 
     /// Returns the effect of each slot with its weight, row by row.
     pub fn weights(&self, psi: &[f64]) -> Vec<(usize, f64)> {
         let mut weights: Vec<(usize, f64)> = self.slots.iter().map(|&effect| (effect, 0.0)).collect();
-        let rows = weights.chunks_mut(self.slots_per_row.max(1)).zip(self.entries.chunks(self.parameters().max(1)));
+        let rows = weights.chunks_mut(self.slots_per_row.max(1)).zip(self.entries.chunks(self.parameters.max(1)));
         for (weights, entries) in rows {
             for entry in entries {
                 weights[entry.slot].1 += psi[entry.parameter] * entry.value;

@@ -176,8 +176,12 @@ impl<'a> Simulator<'a> {
     /// Lays out a fit. If `corrected`, standard deviations are corrected for the means that are estimated.
     pub fn new(fitted: &'a Fitted<'a>, corrected: bool) -> Self {
         let Layout { data, .. } = layout(fitted);
-        let mut parameters = fitted.searched(fitted.mixed.as_ref(), &data);
-        if let Some(mixed) = fitted.mixed.as_ref().filter(|_| corrected) {
+        let mut parameters = fitted.searched(&data);
+        if !fitted.random.correlated {
+            // A seed gives the same studies, whatever the signs.
+            parameters.iter_mut().skip(data.first_psi()).for_each(|deviation| *deviation = deviation.abs());
+        }
+        if let Some(mixed) = fitted.usable().filter(|_| corrected) {
             correct_deviations(fitted, &data, mixed, &mut parameters);
         }
         let Layout { data, row_of } = lay_out(fitted, false);

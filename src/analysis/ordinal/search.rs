@@ -1,7 +1,8 @@
 //! The search for the maximum of a mixed model's likelihood and for the observed information at the maximum.
 //!
-//! The likelihood does not depend on the sign of a standard deviation, so the search needs no bounds: a deviation whose
-//! best value is 0 arrives there, is then held at exactly 0, and is finally checked by moving it away again.
+//! The likelihood does not depend on the sign of a standard deviation, if the effects that belong to it change sign too, so
+//! the search needs no bounds, and it may end at either sign: a deviation whose best value is 0 arrives there, is then held
+//! at exactly 0, and is finally checked by moving it away again.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -33,7 +34,7 @@ pub(super) enum MixedFitEnd {
 /// A maximum of a mixed model's likelihood.
 #[derive(Clone, Debug)]
 pub(super) struct MixedFit {
-    /// θ, β and ψ.
+    /// θ, β and ψ; a deviation may be negative, with the effects that belong to it.
     pub parameters: DVector<f64>,
     pub loglik: f64,
     /// Largest absolute element of the gradient over the free parameters.
@@ -85,7 +86,7 @@ pub(super) fn fit(data: &ClmmData, task: Task<'_>) -> Option<MixedFit> {
     let mut search = Search::begin(data, task)?;
     let mut end = search.climb(task);
     // Each pass holds at least one more deviation at 0, or the search ends.
-    for _ in 0..=data.loadings.parameters() {
+    for _ in 0..=data.loadings.parameters {
         if !search.hold_zeros(task.free, task.rough) {
             break;
         }
@@ -99,7 +100,6 @@ pub(super) fn fit(data: &ClmmData, task: Task<'_>) -> Option<MixedFit> {
     if end == MixedFitEnd::Diverged || (!task.errors && end == MixedFitEnd::Converged) {
         return Some(search.finish(end, DMatrix::zeros(0, 0)));
     }
-    search.make_deviations_positive();
     let information = search.polish(tolerance)?;
     let end = if search.gradient() <= 1e3 * tolerance { MixedFitEnd::Converged } else { MixedFitEnd::Stalled };
     Some(search.finish(end, information))
@@ -111,7 +111,7 @@ impl<'a> Search<'a> {
     fn begin(data: &'a ClmmData, task: Task<'_>) -> Option<Self> {
         let mut best: Option<Self> = None;
         let psi = |(intercept, slope): (f64, f64)| {
-            let mut psi = vec![0.0; data.loadings.parameters()];
+            let mut psi = vec![0.0; data.loadings.parameters];
             for (place, &parameter) in data.loadings.deviations.iter().enumerate() {
                 psi[parameter] = if place == 0 { intercept } else { slope };
             }
@@ -337,27 +337,10 @@ impl<'a> Search<'a> {
         Some(())
     }
 
-    fn finish(mut self, end: MixedFitEnd, information: DMatrix<f64>) -> MixedFit {
-        self.make_deviations_positive();
+    fn finish(self, end: MixedFitEnd, information: DMatrix<f64>) -> MixedFit {
         let gradient = self.gradient();
         let Self { free, modes, at, value, .. } = self;
         MixedFit { parameters: at, loglik: value.loglik, gradient, free, information, modes, end }
-    }
-
-    /// Changes the signs of negative deviations, together with the effects that belong to them.
-    fn make_deviations_positive(&mut self) {
-        let loadings = &self.data.loadings;
-        let first = self.data.first_psi();
-        for &deviation in &loadings.deviations {
-            if self.at[first + deviation] >= 0.0 {
-                continue;
-            }
-            let (parameters, effects) = loadings.sign_partners(deviation);
-            parameters.into_iter().for_each(|parameter| self.at[first + parameter] *= -1.0);
-            for mode in &mut self.modes {
-                effects.iter().for_each(|effect| mode[*effect] *= -1.0);
-            }
-        }
     }
 }
 

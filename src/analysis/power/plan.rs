@@ -2,13 +2,13 @@
 
 use rayon::prelude::*;
 
-use super::scenario::{Hypothesis, Layout, PlanError, Scenario, Shift, Slope, Test};
+use super::scenario::{Hypothesis, PlanError, Scenario, Shift, Slope, Test};
 use crate::{
     analysis::{
-        FEW_FOR_LIKELIHOOD_RATIOS, MAX_COEFFICIENTS, ModelSpec, Options, Withheld,
+        FEW_FOR_LIKELIHOOD_RATIOS, MAX_COEFFICIENTS, ModelSpec, Options, Slopes, Withheld,
         counts::Counts,
-        frame::{Frame, find_factor},
-        ordinal::{check_size, fit_counts, terms::Term, terms_with_slopes, without_term, without_terms},
+        frame::Frame,
+        ordinal::{check_size, fit_counts, terms::Term, without_term, without_terms},
         rank_tests::{SubjectMeans, friedman},
         results::model_spec,
     },
@@ -45,8 +45,6 @@ pub struct Plan {
     pub spec: ModelSpec,
     /// The hypotheses and their tests.
     pub hypotheses: Vec<Hypothesis>,
-    /// The simulated slopes that the model allows for.
-    modeled: Vec<Slope>,
 }
 
 /// How often the test of one hypothesis was significant.
@@ -91,27 +89,20 @@ impl Plan {
         model: &Options,
     ) -> Result<Self, PlanError> {
         let scenario = Scenario::new(protocol, observer, shifts, slopes)?;
-        let outline = scenario.outline();
+        let outline = &scenario.outline;
         // The factors of a definition are no covariates, however many levels they have.
         let model = Options { covariates: Some(Vec::new()), ..model.clone() };
-        let (spec, _) = model_spec(&outline, &[], &model);
+        let (spec, _) = model_spec(outline, &[], &model);
         if spec.terms.is_empty() {
             return Err(PlanError::NothingVaries);
         }
         if spec.max_coefficients <= MAX_COEFFICIENTS {
             outline.check_size().map_err(PlanError::TooLarge)?;
         }
-        let (frame, _) = Frame::new(&outline, &spec)?;
+        let (frame, _) = Frame::new(outline, &spec)?;
         check_size(&frame, &spec.terms, spec.max_coefficients)?;
-        let hypotheses = Layout::new(&scenario, &frame, &spec.terms).hypotheses()?;
-        let allowed = terms_with_slopes(&frame, &spec)?;
-        let allows = |slope: &&Slope| {
-            allowed.iter().flat_map(|term| &term.variables).any(|variable| {
-                find_factor(&outline, variable).is_ok_and(|(factor, _)| outline.factors[factor].name == slope.factor)
-            })
-        };
-        let modeled = scenario.slopes.iter().filter(allows).cloned().collect();
-        Ok(Self { scenario, spec, hypotheses, modeled })
+        let hypotheses = scenario.hypotheses(&frame, &spec.terms)?;
+        Ok(Self { scenario, spec, hypotheses })
     }
 
     pub fn observer(&self) -> &OrderedLogit {
@@ -123,18 +114,19 @@ impl Plan {
         &self.scenario.slopes
     }
 
-    /// Returns the simulated slopes that the model of several participants does not allow for, so that its p values are
-    /// too small.
+    /// Returns the simulated slopes if the model of several participants allows for none, so that its p values are too small.
+    /// If only the design allows for none, the test is withheld.
     pub fn unmodeled(&self) -> impl Iterator<Item = &Slope> {
         let varies = |slope: &Slope| {
-            self.scenario.empty.factor(&slope.factor).is_some_and(|(_, factor)| factor.levels.len() > 1)
+            self.scenario.outline.factor(&slope.factor).is_some_and(|(_, factor)| factor.levels.len() > 1)
         };
-        self.slopes().iter().filter(move |slope| slope.sd > 0.0 && varies(slope) && !self.modeled.contains(slope))
+        let has_none = self.spec.slopes == Slopes::None;
+        self.slopes().iter().filter(move |slope| has_none && slope.sd > 0.0 && varies(slope))
     }
 
     /// Returns the number of studies without an effect that calibrate its likelihood ratio, or `None` if the χ²
     /// distribution is accurate enough for this number of participants.
-    pub fn calibration(&self, participants: u32, sampling: &Sampling) -> Option<u32> {
+    fn calibration(&self, participants: u32, sampling: &Sampling) -> Option<u32> {
         let (fewest, most) = WITHOUT_EFFECT;
         ((participants as usize) < FEW_FOR_LIKELIHOOD_RATIOS).then(|| sampling.studies.clamp(fewest, most))
     }
@@ -188,8 +180,8 @@ impl Plan {
     /// fit.
     ///
     /// They calibrate the ratios in all planned studies, because a bootstrap within each one, as in an analysis, would
-    /// take hundreds of times as long. Like those of a bootstrap, these people have only the slopes that the model allows
-    /// for, so that a model without a slope that people do have gives as many false alarms here as in an analysis.
+    /// take hundreds of times as long. Like those of a bootstrap, these people have slopes only if the model has, so that a
+    /// model without slopes gives as many false alarms here as in an analysis.
     fn ratios_without(
         &self,
         (term, predictors): (&Term, &[f64]),
@@ -199,7 +191,7 @@ impl Plan {
         progress: &(dyn Fn(u64) + Sync),
     ) -> Vec<f64> {
         // The model of one participant has no random effects.
-        let slopes: &[Slope] = if people > 1 { &self.modeled } else { &[] };
+        let slopes = if people > 1 && self.spec.slopes != Slopes::None { self.slopes() } else { &[] };
         let ratio = |study: u32| {
             let counts = self.scenario.study((predictors, slopes), false, people, study, seed);
             let fitted = fit_counts(&counts, &self.spec, false).ok();

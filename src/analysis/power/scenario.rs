@@ -1,7 +1,7 @@
 //! The conditions of a definition, how visible the bands in each condition are to the observer, the hypotheses to test, and the
 //! true size of each effect.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 
 use nalgebra::DVector;
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
@@ -12,7 +12,7 @@ use thiserror::Error;
 use crate::{
     analysis::{
         ModelError,
-        counts::{CountRow, Counts, Factor},
+        counts::{CountRow, Counts, MeasuredBuilder},
         frame::{Frame, find_factor},
         levels,
         ordinal::{
@@ -20,7 +20,7 @@ use crate::{
             terms::{Term, Terms},
         },
     },
-    experiment::{self, Condition, OrderedLogit, Protocol},
+    experiment::{Condition, OrderedLogit, Protocol},
     text::names::expected_one_of,
 };
 
@@ -88,8 +88,9 @@ const WITHOUT_EFFECT: u8 = 2;
 /// A definition and its observer.
 #[derive(Clone, Debug)]
 pub(super) struct Scenario {
-    /// Every condition of the definition, without participants or ratings.
-    pub empty: Counts,
+    /// Every condition of the definition, rated lowest by one participant and highest by another, so that a design can be laid
+    /// out.
+    pub outline: Counts,
     /// The observer's linear predictor for each condition, for a participant with an intercept of 0; −∞ if there is no
     /// band.
     pub predictors: Vec<f64>,
@@ -112,47 +113,30 @@ impl Scenario {
             let here = shifts.iter().filter(|(factor, level, _)| condition.levels[*factor] == *level);
             here.map(|(_, _, logits)| logits).sum()
         };
-        // The levels of each factor in order, and the place of each level of the definition among them.
-        let ranked = |factor: &experiment::Factor| {
-            let texts: Vec<String> = factor.levels.iter().map(|level| level.to_string().trim().to_owned()).collect();
-            levels::rank(&[], &texts.iter().map(|text| Some(text.as_str())).collect::<Vec<_>>())
-        };
-        let (names, places): (Vec<_>, Vec<_>) = protocol.factors.iter().map(ranked).unzip();
-        let placed = |condition: &Condition| -> (Vec<Option<u32>>, f64) {
-            let levels = places.iter().zip(&condition.levels).map(|(places, level)| places[*level]).collect();
-            (levels, observer.predictor(&condition.stimulus, 0.0) + added(condition))
-        };
-        let mut conditions: Vec<(Vec<Option<u32>>, f64)> = protocol.conditions().iter().map(placed).collect();
-        conditions.sort_by(|l, r| l.0.cmp(&r.0));
-        let (conditions, predictors) = conditions.into_iter().unzip();
-        let factors = protocol.factors.iter().zip(names).map(|(factor, names)| Factor::new(&factor.name, names, false));
-        let empty = Counts {
-            factors: factors.collect(),
-            conditions,
-            categories: (0..=protocol.response.highest()).map(|rating| rating.to_string()).collect(),
-            ..Counts::default()
-        };
+        let categories: Vec<String> = (0..=protocol.response.highest()).map(|rating| rating.to_string()).collect();
+        let names: Vec<&str> = protocol.factors.iter().map(|factor| factor.name.as_str()).collect();
+        let mut builder = MeasuredBuilder::new(&names).with_categories(&categories);
+        let mut known = HashMap::new();
+        for condition in protocol.conditions().iter() {
+            let places = protocol.factors.iter().zip(&condition.levels);
+            let levels: Vec<String> =
+                places.map(|(factor, level)| factor.levels[*level].to_string().trim().to_owned()).collect();
+            for (subject, rating) in [("S1", &categories[0]), ("S2", &categories[categories.len() - 1])] {
+                builder
+                    .add_counts(subject, &levels, rating, protocol.design.repetitions.into())
+                    .map_err(PlanError::TooLarge)?;
+            }
+            known.insert(levels, observer.predictor(&condition.stimulus, 0.0) + added(condition));
+        }
+        let outline = builder.finish().counts;
+        let names = |condition: u32| outline.level_names(condition).into_iter().map(str::to_owned).collect::<Vec<_>>();
+        let predictors = (0..outline.conditions.len() as u32).map(|condition| known[&names(condition)]).collect();
         let mut slopes = slopes.to_vec();
         for slope in &slopes {
             factor_of(protocol, true, &slope.factor)?;
         }
         slopes.sort_by_key(|slope| protocol.factors.iter().position(|factor| factor.name == slope.factor));
-        Ok(Self { empty, predictors, slopes, observer: observer.clone(), repetitions: protocol.design.repetitions })
-    }
-
-    /// Returns every condition, in order.
-    pub fn conditions(&self) -> Vec<u32> {
-        (0..self.empty.conditions.len() as u32).collect()
-    }
-
-    /// Returns counts in which one participant rates everything lowest and another rates everything highest, so that a
-    /// design can be laid out.
-    pub fn outline(&self) -> Counts {
-        let (count, highest) = (self.repetitions.into(), self.empty.categories.len() as u8 - 1);
-        let rows = [(0, 0), (1, highest)].into_iter().flat_map(|(subject, rating)| {
-            self.conditions().into_iter().map(move |condition| CountRow { subject, condition, rating, count })
-        });
-        Counts { subjects: ["S1", "S2"].map(str::to_owned).to_vec(), rows: rows.collect(), ..self.empty.clone() }
+        Ok(Self { outline, predictors, slopes, observer: observer.clone(), repetitions: protocol.design.repetitions })
     }
 
     /// Simulates a study with these predictors and slopes: one of those that are planned, or one without the effect of a
@@ -169,7 +153,7 @@ impl Scenario {
         let kind = if is_planned { 0 } else { WITHOUT_EFFECT };
         let generator = |purpose, subject| generator(seed, kind | purpose, study, subject);
         let mut rows = Vec::new();
-        let categories = self.empty.categories.len();
+        let categories = self.outline.categories.len();
         for subject in 0..people {
             let deviations = self.deviations(slopes, &mut generator(DEVIATIONS, subject));
             let mut rng = generator(0, subject);
@@ -188,16 +172,16 @@ impl Scenario {
         }
         // The names sort in the same order as the numbers.
         let subjects = (1..=people).map(|number| format!("S{number:010}")).collect();
-        Counts { subjects, rows, ..self.empty.clone() }
+        Counts { subjects, rows, ..self.outline.clone() }
     }
 
     /// Draws one participant's deviations at the levels of each factor, and returns their sum for each condition.
     fn deviations(&self, slopes: &[Slope], rng: &mut ChaCha8Rng) -> Vec<f64> {
-        let mut sums = vec![0.0; self.empty.conditions.len()];
+        let mut sums = vec![0.0; self.outline.conditions.len()];
         for slope in slopes {
-            let Some((factor, description)) = self.empty.factor(&slope.factor) else { continue };
+            let Some((factor, description)) = self.outline.factor(&slope.factor) else { continue };
             let of_levels: Vec<f64> = description.levels.iter().map(|_| StandardNormal.sample(rng)).collect();
-            for (sum, levels) in sums.iter_mut().zip(&self.empty.conditions) {
+            for (sum, levels) in sums.iter_mut().zip(&self.outline.conditions) {
                 *sum += levels[factor].map_or(0.0, |level| slope.sd * of_levels[level as usize]);
             }
         }
@@ -278,43 +262,20 @@ pub struct Hypothesis {
 /// probability.
 const NO_BAND: f64 = 30.0;
 
-/// Creates the tests of a list of terms.
-pub(super) struct Layout<'a> {
-    scenario: &'a Scenario,
-    frame: &'a Frame<'a>,
-    terms: &'a Terms,
-    predictors: DVector<f64>,
-    /// Whether every condition has a finite predictor.
-    finite: bool,
-}
-
-impl<'a> Layout<'a> {
-    pub fn new(scenario: &'a Scenario, frame: &'a Frame<'a>, terms: &'a Terms) -> Self {
-        let finite = scenario.predictors.iter().copied().filter(|predictor| predictor.is_finite());
-        let floor = finite.fold(scenario.observer.thresholds[0], f64::min) - NO_BAND;
-        let predictors = scenario.predictors.iter().map(|predictor| predictor.max(floor));
-        Self {
-            predictors: DVector::from_iterator(scenario.predictors.len(), predictors),
-            finite: scenario.predictors.iter().all(|predictor| predictor.is_finite()),
-            scenario,
-            frame,
-            terms,
-        }
-    }
-
+impl Scenario {
     /// Returns the test of every testable term, each followed by Friedman's test of its factor, and then Friedman's
     /// tests of the remaining factors.
-    pub fn hypotheses(&self) -> Result<Vec<Hypothesis>, PlanError> {
+    pub fn hypotheses(&self, frame: &Frame, terms: &Terms) -> Result<Vec<Hypothesis>, PlanError> {
         let (mut hypotheses, mut seen) = (Vec::new(), BTreeSet::new());
-        for term in self.terms.iter().filter(|term| !self.terms.is_marginal(term)) {
-            hypotheses.push(self.of_term(term)?);
+        for term in terms.iter().filter(|term| !terms.is_marginal(term)) {
+            hypotheses.push(self.of_term(frame, terms, term)?);
             if let [factor] = self.factors(term)?[..] {
-                hypotheses.extend(seen.insert(factor).then(|| self.of_factor(factor)).flatten());
+                hypotheses.extend(seen.insert(factor).then(|| self.of_factor(frame, factor)).flatten());
             }
         }
-        for term in self.terms.iter() {
+        for term in terms.iter() {
             for factor in self.factors(term)? {
-                hypotheses.extend(seen.insert(factor).then(|| self.of_factor(factor)).flatten());
+                hypotheses.extend(seen.insert(factor).then(|| self.of_factor(frame, factor)).flatten());
             }
         }
         Ok(hypotheses)
@@ -324,7 +285,7 @@ impl<'a> Layout<'a> {
     fn factors(&self, term: &Term) -> Result<Vec<usize>, PlanError> {
         let mut factors = Vec::new();
         for variable in &term.variables {
-            let (index, _) = find_factor(self.frame.counts, variable)?;
+            let (index, _) = find_factor(&self.outline, variable)?;
             if !factors.contains(&index) {
                 factors.push(index);
             }
@@ -334,48 +295,39 @@ impl<'a> Layout<'a> {
 
     /// Creates the hypothesis for a term. Its effect is the part of the predictor that no other term of the model can
     /// express.
-    fn of_term(&self, term: &Term) -> Result<Hypothesis, PlanError> {
-        let whole = self.span(self.terms)?;
-        let rest = self.span(&self.terms.without(term))?;
+    fn of_term(&self, frame: &Frame, terms: &Terms, term: &Term) -> Result<Hypothesis, PlanError> {
+        let whole = self.span(frame, terms)?;
+        let rest = self.span(frame, &terms.without(term))?;
         if whole.basis.len() == rest.basis.len() {
             return Err(PlanError::Untestable { term: term.to_string() });
         }
-        let part = whole.project(&self.predictors) - rest.project(&self.predictors);
+        let predictors = self.floored();
+        let part = whole.project(&predictors) - rest.project(&predictors);
         let extremes = self.extremes(&part);
         let factors = self.factors(term)?;
         let effect = extremes.map(|(above, below)| self.effect(&part, above, below, &factors));
-        let predictors = (&self.predictors - &part).iter().copied().collect();
-        Ok(Hypothesis { term: term.clone(), test: Test::LikelihoodRatio, effect, absent: Some(predictors) })
+        let absent = Some((predictors - &part).iter().copied().collect());
+        Ok(Hypothesis { term: term.clone(), test: Test::LikelihoodRatio, effect, absent })
     }
 
-    /// Creates the hypothesis for Friedman's test of a factor from the mean predictor at each level, or returns `None`
-    /// if the factor has only one level.
-    fn of_factor(&self, factor: usize) -> Option<Hypothesis> {
-        let conditions = &self.scenario.empty.conditions;
-        let description = &self.scenario.empty.factors[factor];
-        if description.levels.len() < 2 {
-            return None;
-        }
-        let means = (0..description.levels.len() as u32).map(|level| {
-            let here = conditions.iter().zip(&self.predictors).filter(|(levels, _)| levels[factor] == Some(level));
-            let (sum, number) = here.fold((0.0, 0.0), |(sum, number), (_, predictor)| (sum + predictor, number + 1.0));
-            sum / number
-        });
-        let means: Vec<f64> = means.collect();
-        let part = conditions.iter().map(|levels| levels[factor].map_or(0.0, |level| means[level as usize]));
-        let part = DVector::from_iterator(conditions.len(), part);
-        let extremes = self.extremes(&part);
-        Some(Hypothesis {
-            term: Term::factor(&description.name),
-            test: Test::Friedman,
-            effect: extremes.map(|(above, below)| self.effect(&part, above, below, &[factor])),
-            absent: None,
-        })
+    /// Creates the hypothesis for Friedman's test of a factor: about its main effect. Returns `None` if the factor has only one
+    /// level.
+    fn of_factor(&self, frame: &Frame, factor: usize) -> Option<Hypothesis> {
+        let names: Vec<&str> = self.outline.factors.iter().map(|factor| factor.name.as_str()).collect();
+        let main = self.of_term(frame, &Terms::factors(&names), &Term::factor(names[factor]));
+        Some(Hypothesis { test: Test::Friedman, absent: None, ..main.ok()? })
+    }
+
+    /// Returns the predictors of all conditions, those of conditions without a band far below all others.
+    fn floored(&self) -> DVector<f64> {
+        let finite = self.predictors.iter().copied().filter(|predictor| predictor.is_finite());
+        let floor = finite.fold(self.observer.thresholds[0], f64::min) - NO_BAND;
+        self.predictors.iter().map(|predictor| predictor.max(floor)).collect::<Vec<_>>().into()
     }
 
     /// Returns the space spanned by a constant and these terms.
-    fn span(&self, terms: &Terms) -> Result<Span, PlanError> {
-        let design = Design::new(self.frame, terms)?.matrix(&self.scenario.conditions());
+    fn span(&self, frame: &Frame, terms: &Terms) -> Result<Span, PlanError> {
+        let design = Design::new(frame, terms)?.matrix(&frame.conditions());
         let mut span = Span::with_constant(design.nrows());
         design.column_iter().for_each(|column| _ = span.add(column));
         Ok(span)
@@ -385,7 +337,7 @@ impl<'a> Layout<'a> {
     /// everywhere.
     fn extremes(&self, part: &DVector<f64>) -> Option<(usize, usize)> {
         // Differences caused by rounding do not count.
-        let slack = 1e-9 * (1.0 + self.predictors.amax());
+        let slack = 1e-9 * (1.0 + self.floored().amax());
         let first = |better: &dyn Fn(f64, f64) -> bool| {
             (0..part.len()).fold(0, |best, place| if better(part[place], part[best]) { place } else { best })
         };
@@ -396,12 +348,13 @@ impl<'a> Layout<'a> {
 
     fn effect(&self, part: &DVector<f64>, above: usize, below: usize, factors: &[usize]) -> Effect {
         let name = |condition: usize| {
-            let names = self.scenario.empty.level_names(condition as u32);
+            let names = self.outline.level_names(condition as u32);
             factors.iter().map(|factor| names[*factor]).collect::<Vec<_>>().join(":")
         };
+        let is_finite = self.predictors.iter().all(|predictor| predictor.is_finite());
         Effect {
             // Remove the rounding errors of the projections.
-            logits: self.finite.then(|| ((part[above] - part[below]) * 1e9).round() / 1e9),
+            logits: is_finite.then(|| ((part[above] - part[below]) * 1e9).round() / 1e9),
             above: name(above),
             below: name(below),
         }

@@ -203,12 +203,9 @@ impl ThresholdPlan {
             let precision = |(i, quantity): (usize, &Quantity)| {
                 let all = || studies.iter().flat_map(|study| &study[i]);
                 let known = || all().filter_map(|one| one.as_ref());
-                let half =
-                    |(_, interval, _): &(f64, Option<Interval>, f64)| interval.map(|one| (one.high - one.low) / 2.0);
+                let intervals = || known().filter_map(|(_, interval, _)| *interval);
                 // The threshold of one person has none.
-                let lacks_interval =
-                    |one: &(f64, Option<Interval>, f64)| one.1.is_none() && *quantity != Quantity::Person;
-                let excludes = |one: &Interval| one.low > 0.0 || one.high < 0.0;
+                let expected = if *quantity == Quantity::Person { known().count() } else { intervals().count() };
                 let errors: Vec<f64> = known().map(|(value, _, truth)| (value - truth).powi(2)).collect();
                 let mean = errors.iter().sum::<f64>() / errors.len() as f64;
                 Precision {
@@ -216,9 +213,9 @@ impl ThresholdPlan {
                     trials: self.adaptive.common.trials,
                     quantity: quantity.clone(),
                     studies: all().count(),
-                    found: known().filter(|(_, interval, _)| interval.as_ref().is_some_and(excludes)).count(),
-                    missing: all().filter(|one| one.as_ref().is_none_or(&lacks_interval)).count(),
-                    half_width: median(known().filter_map(half).collect()),
+                    found: intervals().filter(|one| one.low > 0.0 || one.high < 0.0).count(),
+                    missing: all().count() - expected,
+                    half_width: median(intervals().map(|one| (one.high - one.low) / 2.0).collect()),
                     error: (!errors.is_empty()).then_some(mean.sqrt()),
                 }
             };

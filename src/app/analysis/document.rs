@@ -4,14 +4,14 @@ use eframe::egui::{self, Align, Layout, RichText, ScrollArea};
 
 use super::table::TableView;
 use crate::{
-    app::ui::{figure::FigureView, hint, paragraph, section, theme, tick},
+    app::ui::{figure::FigureView, hint, paged, paragraph, section, theme, tick},
     report::document::{Block, Document, Section},
 };
 
 /// Address of the section that says what was found.
 const SUMMARY: &str = "summary";
 /// In a view wider than this, points, figures are in two columns.
-const TWO_COLUMNS: f32 = 880.0;
+const TWO_COLUMNS: f32 = 780.0;
 
 /// A document and the state of its tables and figures.
 pub struct DocumentView {
@@ -31,29 +31,36 @@ enum BlockView {
 }
 
 impl DocumentView {
-    /// Creates a view of a document that has not been drawn yet. The images of `earlier` ones, of which the last is the
-    /// newest, stay until the new ones are ready.
-    pub fn new(document: Document, earlier: impl IntoIterator<Item = Self>) -> Self {
-        let mut pictures: Vec<FigureView> = (earlier.into_iter())
-            .flat_map(|view| view.sections)
-            .flat_map(|section| section.blocks)
-            .filter_map(|block| if let BlockView::Figure(figure) = block { Some(*figure) } else { None })
-            .collect();
-        let mut block = |block| match block {
+    /// Creates a view of a document that has not been drawn yet.
+    pub fn new(document: Document) -> Self {
+        let block = |block| match block {
             Block::Table(table) => BlockView::Table(TableView::new(table)),
-            Block::Figure(figure) => {
-                let mut view = FigureView::new(figure);
-                pictures = pictures.drain(..).filter_map(|earlier| view.replace(earlier)).collect();
-                BlockView::Figure(Box::new(view))
-            }
+            Block::Figure(figure) => BlockView::Figure(Box::new(FigureView::new(figure))),
             text => BlockView::Text(text),
         };
         let section = |Section { id, heading, blocks }: Section| SectionView {
             id,
             heading,
-            blocks: blocks.into_iter().map(&mut block).collect(),
+            blocks: blocks.into_iter().map(block).collect(),
         };
         Self { sections: document.sections.into_iter().map(section).collect() }
+    }
+
+    /// Shows the images of an earlier view until the new ones are ready.
+    pub fn after(mut self, earlier: Self) -> Self {
+        let blocks = earlier.sections.into_iter().flat_map(|section| section.blocks);
+        for earlier in blocks {
+            let BlockView::Figure(earlier) = earlier else { continue };
+            let mut views = self.sections.iter_mut().flat_map(|section| &mut section.blocks);
+            let same = views.find_map(|block| match block {
+                BlockView::Figure(view) if view.is_like(&earlier) => Some(view),
+                _ => None,
+            });
+            if let Some(view) = same {
+                view.replace(*earlier);
+            }
+        }
+        self
     }
 
     /// Returns the address (`id`) and the heading of every section.
@@ -109,7 +116,7 @@ fn scrolled(ui: &mut egui::Ui, id: &str, add: impl FnOnce(&mut egui::Ui)) {
     let width = ui.available_width() - ui.spacing().scroll.allocated_width();
     ScrollArea::vertical().id_salt(id).auto_shrink(false).show(ui, |ui| {
         ui.set_max_width(width);
-        add(ui);
+        paged(ui, add);
     });
 }
 

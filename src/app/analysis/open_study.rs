@@ -18,7 +18,7 @@ use crate::{
     report::{
         Study,
         document::{Document, numbers::count},
-        figures::{self, Figure},
+        figures,
         prediction::StudyPrediction,
         study::{Parts, document},
         study_files, write_files,
@@ -32,7 +32,7 @@ const VISION: (&str, &str) = ("vision", "What the vision model predicts");
 
 /// The data and its analysis.
 pub struct OpenStudy {
-    study: Arc<Study>,
+    pub study: Arc<Study>,
     /// The files of the study, and how they were read.
     files: Arc<Files>,
     filters: Filters,
@@ -72,13 +72,12 @@ enum State {
 }
 
 /// The sections that need no model, so that they are shown at once. Numbers in them are final.
-const DRAFTED: [&str; 5] = ["design", "health", "description", "agreement", "times"];
+const DRAFTED: [&str; 3] = ["health", "description", "agreement"];
 
 /// The results of an analysis, without the document.
 struct Outcome {
     request: Analyze,
     results: Arc<Results>,
-    figures: Vec<Figure>,
     /// The selected data as a phrase; empty if nothing is excluded.
     filter: String,
 }
@@ -104,9 +103,9 @@ impl OpenStudy {
         }
     }
 
-    /// Replaces the data with the same files read again. Selections that are still possible are kept.
-    pub fn reread(study: Study, files: Arc<Files>, before: Self) -> Self {
-        let (old, new) = (&before.study.measured.counts, &study.measured.counts);
+    /// Keeps what was selected before the same files were read again, if it is still possible.
+    pub fn after(self, before: Self) -> Self {
+        let (old, new) = (&before.study.measured.counts, &self.study.measured.counts);
         let same = old.subjects == new.subjects && old.factors == new.factors && old.conditions == new.conditions;
         Self {
             filters: if same { before.filters } else { Filters::default() },
@@ -115,7 +114,7 @@ impl OpenStudy {
             export: before.export,
             // The earlier results stay until the new ones are ready.
             shown: before.shown,
-            ..Self::new(study, files)
+            ..self
         }
     }
 
@@ -139,12 +138,13 @@ impl OpenStudy {
             self.state = State::Done;
             match result {
                 Ok(Some((_, document))) if is_draft => {
-                    self.draft = Some(DocumentView::new(document, None));
+                    self.draft = Some(DocumentView::new(document));
                     self.start(ctx, false);
                 }
                 Ok(Some((outcome, document))) => {
                     let earlier = self.shown.take().map(|(_, view)| view).into_iter().chain(self.draft.take());
-                    self.shown = Some((outcome, DocumentView::new(document, earlier)));
+                    let view = earlier.fold(DocumentView::new(document), DocumentView::after);
+                    self.shown = Some((outcome, view));
                     self.predicting = None;
                 }
                 Ok(None) => self.state = State::Empty,
@@ -156,7 +156,7 @@ impl OpenStudy {
         if let Some(Ok(document)) = self.predicting.as_ref().and_then(BackgroundTask::poll)
             && let Some((outcome, view)) = self.shown.take()
         {
-            self.shown = Some((outcome, DocumentView::new(document, Some(view))));
+            self.shown = Some((outcome, DocumentView::new(document).after(view)));
             self.predicting = None;
         }
     }
@@ -206,7 +206,7 @@ impl Opened for OpenStudy {
         let view = self.shown.as_ref().map(|(_, view)| view).or(self.draft.as_ref());
         let mut all: Vec<_> = view.iter().flat_map(|view| view.headings()).collect();
         if !all.is_empty() && !all.contains(&VISION) {
-            let place = all.iter().position(|(id, _)| *id == "times").unwrap_or(all.len());
+            let place = all.iter().position(|(id, _)| *id == "methods").unwrap_or(all.len());
             all.insert(place, VISION);
         }
         all
@@ -224,16 +224,16 @@ impl Opened for OpenStudy {
         match self.state {
             State::Done => {}
             State::Running { is_draft, .. } => {
-                self.simulated.show(ui, "Analyzing", "simulated studies");
-                if !is_draft && ui.small_button("Stop").clicked() {
+                if ui.add_enabled(!is_draft, egui::Button::new("Stop").small()).clicked() {
                     self.state = State::Stopped;
                 }
+                self.simulated.show(ui, "Analyzing", "simulated studies");
             }
             State::Stopped => {
-                ui.label(secondary("Stopped."));
                 if ui.small_button("Continue").clicked() {
                     self.start(ui.ctx(), false);
                 }
+                ui.label(secondary("Stopped."));
             }
             State::Empty => {
                 ui.label(secondary("No data are selected.").color(theme::ink(ui).bad))
@@ -284,9 +284,8 @@ impl Opened for OpenStudy {
             });
             if self.predicting.is_none() && !is_stale {
                 let (study, results) = (self.study.clone(), outcome.results.clone());
-                let figures = outcome.figures.clone();
-                self.predicting =
-                    Some(BackgroundTask::stoppable(ui.ctx(), move || with_prediction(&study, &results, figures)));
+                let predict = move || with_prediction(&study, &results);
+                self.predicting = Some(BackgroundTask::stoppable(ui.ctx(), predict));
             }
         }
     }
@@ -379,17 +378,18 @@ impl Outcome {
         let mut options = request.options(&study.source);
         if is_draft {
             // A model without coefficients is none, and nothing is simulated for it.
-            (options.max_coefficients, options.checks) = (0, false);
+            (options.max_coefficients, options.unchecked) = (Some(0), true);
         }
         let progress = |done: usize, all: usize| simulated.set(done as u64, all as u64);
         let results = Arc::new(analyze_with(measured, &options, &progress));
         let figures = figures::all(&results);
         let document = document(&study.source, &results, Parts { figures: &figures, ..Parts::default() });
-        Some((Self { request, results, figures, filter }, document))
+        Some((Self { request, results, filter }, document))
     }
 }
 
-fn with_prediction(study: &Study, results: &Results, mut figures: Vec<Figure>) -> Document {
+fn with_prediction(study: &Study, results: &Results) -> Document {
+    let mut figures = figures::all(results);
     let prediction = StudyPrediction::of(&study.source, &results.measured.counts);
     figures.extend(prediction.iter().flat_map(|prediction| figures::predicted(results, &prediction.ratings)));
     document(&study.source, results, Parts { figures: &figures, prediction: Some(&prediction), provenance: None })

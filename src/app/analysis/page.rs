@@ -8,14 +8,13 @@ use super::{
     open_study::OpenStudy,
     opened::{Files, Request},
     questions::{CategoryOrder, Columns},
-    task::{OpenTask, TaskRead},
+    task::OpenTask,
 };
 use crate::{
     app::ui::{
         Dialog, Field, FileKind, Step, escaped, heading, hint, paragraph, place_page, section, show_error,
         work::{BackgroundTask, Lost},
     },
-    report::Study,
     work::{Analyze, Ratings},
 };
 
@@ -37,8 +36,6 @@ pub struct Analysis {
     /// The files of the open data, and whether to look if they have changed.
     files: Option<Arc<Files>>,
     returns: bool,
-    /// Looks if they have changed.
-    looking: Option<BackgroundTask<bool>>,
 }
 
 /// The data that are shown: ratings, or the answers to another task.
@@ -47,22 +44,19 @@ enum Open {
     Task(Box<OpenTask>),
 }
 
-/// What was read.
-enum Read {
-    Ratings(Box<Study>),
-    Task(Box<TaskRead>),
-}
-
-type Reading = Result<(Arc<Files>, Read), String>;
+type Reading = Result<(Arc<Files>, Open), String>;
 
 /// Reads what is asked for: ratings, or the answers to another task, which are analyzed at once.
 fn read(asked: &Analyze) -> Reading {
     let files = Arc::new(Files::of(asked.clone()));
-    let read = match asked.read_task().map_err(|error| error.to_string())? {
-        Some(study) => Read::Task(TaskRead::of(study, asked).into()),
-        None => Read::Ratings(asked.read_unordered().map_err(|errors| errors.to_string())?.into()),
+    let open = match asked.read_task().map_err(|error| error.to_string())? {
+        Some(study) => Open::Task(OpenTask::new(study, files.clone()).into()),
+        None => {
+            let study = asked.read_unordered().map_err(|errors| errors.to_string())?;
+            Open::Ratings(OpenStudy::new(study, files.clone()).into())
+        }
     };
-    Ok((files, read))
+    Ok((files, open))
 }
 
 /// Files that are being read.
@@ -125,8 +119,14 @@ impl Analysis {
         let error = self.error.as_deref().unwrap_or_default();
         let step = match open {
             None => Step::back_if(self.show_start(ui, recent)),
-            Some(Open::Ratings(study)) => study.show(ui, error),
-            Some(Open::Task(task)) => task.show(ui, self.reading.is_some(), error),
+            // Other data begin at the top.
+            Some(open) => {
+                let shown = ui.push_id(&self.asked.ratings.paths, |ui| match open {
+                    Open::Ratings(study) => study.show(ui, error),
+                    Open::Task(task) => task.show(ui, self.reading.is_some(), error),
+                });
+                shown.inner
+            }
         };
         let back = match step {
             Step::Stay => false,
@@ -157,23 +157,17 @@ impl Analysis {
         let Some(Pending { asked, again, .. }) = self.reading.take() else { return };
         let before = self.open.take();
         match read {
-            Ok((files, read)) => {
-                (self.files, self.columns) = (Some(files.clone()), None);
-                self.open = match (read, before.filter(|_| again)) {
-                    (Read::Task(read), Some(Open::Task(before))) => {
-                        Some(Open::Task(Box::new(OpenTask::new(*read, files, Some(*before)))))
-                    }
-                    (Read::Task(read), _) => Some(Open::Task(Box::new(OpenTask::new(*read, files, None)))),
-                    (Read::Ratings(study), before) => {
-                        self.order = CategoryOrder::needed(&study, &asked.ratings);
-                        self.order.is_none().then(|| {
-                            Open::Ratings(Box::new(match before {
-                                Some(Open::Ratings(before)) => OpenStudy::reread(*study, files, *before),
-                                _ => OpenStudy::new(*study, files),
-                            }))
-                        })
-                    }
+            Ok((files, open)) => {
+                (self.files, self.columns) = (Some(files), None);
+                let open = match (open, before.filter(|_| again)) {
+                    (Open::Task(task), Some(Open::Task(before))) => Open::Task(task.after(*before).into()),
+                    (Open::Ratings(study), Some(Open::Ratings(before))) => Open::Ratings(study.after(*before).into()),
+                    (open, _) => open,
                 };
+                if let Open::Ratings(open) = &open {
+                    self.order = CategoryOrder::needed(&open.study, &asked.ratings);
+                }
+                self.open = Some(open).filter(|_| self.order.is_none());
             }
             Err(error) if again && before.is_some() => (self.open, self.error) = (before, Some(error)),
             Err(error) => {
@@ -191,13 +185,7 @@ impl Analysis {
         // A form that is being filled in must stay.
         let is_open = self.open.is_some() && self.columns.is_none();
         let Some(files) = self.files.clone().filter(|_| is_open && self.reading.is_none()) else { return };
-        if self.looking.is_none() && std::mem::take(&mut self.returns) {
-            let files = files.clone();
-            self.looking = Some(BackgroundTask::start(ctx, move || files.have_changed()));
-        }
-        let Some(have_changed) = self.looking.as_ref().and_then(BackgroundTask::poll) else { return };
-        self.looking = None;
-        if matches!(have_changed, Ok(true)) {
+        if std::mem::take(&mut self.returns) && files.have_changed() {
             self.read(ctx, files.asked.clone(), true);
         }
     }
@@ -221,7 +209,7 @@ impl Analysis {
     /// Draws the page while no study is open.
     fn show_start(&mut self, ui: &mut egui::Ui, recent: &[String]) -> bool {
         let ctx = ui.ctx().clone();
-        place_page(ui, |ui| {
+        place_page(ui, "Analyze", |ui| {
             let back = heading(ui, "Analyze");
             if self.reading.is_some() {
                 ui.horizontal(|ui| {
@@ -244,13 +232,15 @@ impl Analysis {
                     self.columns = Columns::of(&order.ratings);
                 }
             }
+            let is_asked = self.columns.is_some() || self.order.is_some();
+            let mut chosen = if is_asked { None } else { self.choose(ui, recent) };
             for line in self.error.iter().flat_map(|error| error.lines()).take(20) {
                 show_error(ui, line);
             }
-            if self.columns.is_some() || self.order.is_some() {
+            if is_asked {
                 ui.separator();
+                chosen = self.choose(ui, recent);
             }
-            let chosen = self.choose(ui, recent);
             if keep {
                 self.columns = None;
             }

@@ -68,16 +68,9 @@ impl Filters {
         for (index, factor) in counts.factors.iter().enumerate() {
             let names = counts.selectable_levels(index);
             let kept = self.kept(&factor.name);
-            let is_kept = |name: &String| kept.is_none_or(|kept| kept.contains(name));
-            let mut levels: Vec<bool> = names.iter().map(is_kept).collect();
-            let title = format!("{}: {} of {} levels", label(&factor.name), checked(&levels), levels.len());
-            list(ui, &factor.name, &title, &mut levels, |ui, levels| {
-                ui.horizontal_wrapped(|ui| {
-                    for (checked, level) in levels.iter_mut().zip(&names) {
-                        check(ui, checked, &factor.name, &shown(level));
-                    }
-                });
-            });
+            let levels: Vec<(String, bool)> =
+                names.iter().map(|name| (shown(name), kept.is_none_or(|kept| kept.contains(name)))).collect();
+            let levels = checklist(ui, [&factor.name; 2], [&label(&factor.name), " levels"], levels);
             if levels.contains(&false) {
                 let kept = names.into_iter().zip(levels).filter(|(_, kept)| *kept).map(|(name, _)| name);
                 only.push((factor.name.clone(), kept.collect()));
@@ -90,52 +83,49 @@ impl Filters {
 /// Draws the checklist of the participants.
 pub fn people(ui: &mut egui::Ui, all: &[String], excluded: &mut Vec<String>) {
     let out: HashSet<&str> = excluded.iter().map(String::as_str).collect();
-    let mut people: Vec<bool> = all.iter().map(|id| !out.contains(&**id)).collect();
-    let title = format!("Participants: {} of {}", checked(&people), people.len());
-    list(ui, "participants", &title, &mut people, |ui, people| {
-        // A long list has its own scroll area; only the visible part is drawn.
-        let height = ui.spacing().interact_size.y;
-        let area = ScrollArea::vertical().id_salt("people").max_height(190.0);
-        area.show_rows(ui, height, people.len(), |ui, rows| {
-            ui.set_width(ui.available_width());
-            for row in rows {
-                check(ui, &mut people[row], "Participant", &all[row]);
-            }
-        });
-    });
+    let people = all.iter().map(|id| (id.clone(), !out.contains(&**id))).collect();
+    let people = checklist(ui, ["participants", "Participant"], ["Participants", ""], people);
     *excluded = all.iter().zip(people).filter(|(_, kept)| !kept).map(|(id, _)| id.clone()).collect();
 }
 
-fn checked(list: &[bool]) -> usize {
-    list.iter().filter(|checked| **checked).count()
-}
-
-/// Draws a collapsible list below two buttons that select all or none. Its state belongs to `id`, so its title may
-/// change.
-fn list(ui: &mut egui::Ui, id: &str, title: &str, list: &mut [bool], add: impl FnOnce(&mut egui::Ui, &mut [bool])) {
+/// Draws a list that can be folded away, below two buttons that check all or none; returns what is checked. Its state
+/// belongs to `id`, because its title tells how many are checked. `of` precedes an entry in its name.
+fn checklist(
+    ui: &mut egui::Ui,
+    [id, of]: [&str; 2],
+    [title, unit]: [&str; 2],
+    mut list: Vec<(String, bool)>,
+) -> Vec<bool> {
+    let checked = list.iter().filter(|(_, checked)| *checked).count();
+    let title = format!("{title}: {checked} of {}{unit}", list.len());
     folded(ui, CollapsingHeader::new(title).id_salt(("filter", id)), |ui| {
         ui.horizontal(|ui| {
             for (text, label, all) in [("All", format!("All {id}"), true), ("None", format!("None of {id}"), false)] {
                 let button = ui.small_button(text);
                 name(ui, &button, &label);
                 if button.clicked() {
-                    list.fill(all);
+                    list.iter_mut().for_each(|(_, checked)| *checked = all);
                     ui.ctx().request_repaint();
                 }
             }
         });
-        add(ui, list);
+        // A long list has its own scroll area; only the visible part is drawn.
+        let height = ui.spacing().interact_size.y;
+        let area = ScrollArea::vertical().id_salt(id).max_height(190.0);
+        area.show_rows(ui, height, list.len(), |ui, rows| {
+            ui.set_width(ui.available_width());
+            for (text, checked) in &mut list[rows] {
+                let response = ui.checkbox(checked, &**text);
+                name(ui, &response, &format!("{of} {text}"));
+            }
+        });
     });
+    list.into_iter().map(|(_, checked)| checked).collect()
 }
 
 /// Returns a level as it is read, such as ∞.
 fn shown(level: &str) -> String {
-    names::level(None, "", level).to_string()
-}
-
-fn check(ui: &mut egui::Ui, checked: &mut bool, of: &str, text: &str) {
-    let response = ui.checkbox(checked, text);
-    name(ui, &response, &format!("{of} {text}"));
+    names::level(names::Known::None, "", level).to_string()
 }
 
 /// The values of the controls.
@@ -189,15 +179,14 @@ impl ModelControls {
             "List factors by name. Use num:NAME for a numeric factor, a:b for an interaction, and a*b for both factors \
              and their interaction. num:inv_n is 1/depth. If this is empty, the model uses every factor.",
         );
+        // Every prefix of a list of terms would be analyzed without a pause.
         let now = ui.input(|input| input.time);
         if field.changed() {
             self.changed_s = now;
         }
-        // Every prefix of a list of terms would be analyzed without a pause.
         let left = self.changed_s + PAUSE_S - now;
-        let entered = field.lost_focus() || field.has_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+        let entered = field.lost_focus() || ui.input(|input| input.key_pressed(Key::Enter));
         match self.parsed(counts, filters) {
-            Ok(terms) if terms == self.request.model.terms => {}
             Ok(terms) if left <= 0.0 || entered => self.request.model.terms = terms,
             Ok(_) => ui.ctx().request_repaint_after_secs(left as f32),
             Err(_) => {}

@@ -2,7 +2,8 @@
 //! column name. The names stay in view while any of its rows is.
 
 use eframe::egui::{
-    self, Align, Button, Label, Layout, Rect, RichText, Role, ScrollArea, Sense, TextStyle, UiBuilder, Vec2, WidgetInfo,
+    self, Align, Button, Label, Layout, Rect, RichText, Role, ScrollArea, Sense, TextStyle, UiBuilder, Vec2,
+    WidgetInfo, scroll_area::ScrollBarVisibility,
 };
 
 use crate::{
@@ -30,20 +31,17 @@ impl TableView {
     /// Draws the table at its full height.
     pub fn show(&mut self, ui: &mut egui::Ui, id: usize) {
         ui.add_space(6.0);
-        ui.horizontal_wrapped(|ui| {
-            paragraph(ui, RichText::new(&self.table.caption).strong());
-            let copy = ui.small_button("Copy");
-            name(ui, &copy, &format!("Copy the table: {}", self.table.caption));
-            if copy.on_hover_text("Copies the table for a spreadsheet. Exported files have full precision.").clicked() {
-                ui.ctx().copy_text(self.text());
-            }
-        });
+        paragraph(ui, RichText::new(&self.table.caption).strong());
         if self.widths.is_empty() {
             self.widths = self.measure(ui);
         }
         let height = ui.text_style_height(&TextStyle::Body) + 8.0;
         let size = Vec2::new(self.widths.iter().sum(), height * (self.table.rows.len() + 1) as f32);
-        let clicked = ScrollArea::horizontal().id_salt(id).auto_shrink([false, true]).show(ui, |ui| {
+        // The bar of a table below the view would be at the edge of the view.
+        let is_below = ui.cursor().top() > ui.clip_rect().bottom();
+        let bar = if is_below { ScrollBarVisibility::AlwaysHidden } else { ScrollBarVisibility::VisibleWhenNeeded };
+        let area = ScrollArea::horizontal().scroll_bar_visibility(bar).id_salt(id).auto_shrink([false, true]);
+        let clicked = area.show(ui, |ui| {
             let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
             response.widget_info(|| WidgetInfo::labeled(Role::Table, true, &self.table.caption));
             let line = rect.top() + height;
@@ -133,13 +131,5 @@ impl TableView {
             let order = a[column].value().compare(b[column].value());
             if down { order.reverse() } else { order }
         });
-    }
-
-    /// Returns the table as text, with tabs between cells, for spreadsheets.
-    fn text(&self) -> String {
-        let line = |cells: Vec<&str>| cells.join("\t").replace('−', "-") + "\n";
-        let header = self.table.header.iter().map(String::as_str).collect();
-        let rows = self.table.rows.iter().map(|row| row.iter().map(|cell| &**cell).collect());
-        std::iter::once(header).chain(rows).map(line).collect()
     }
 }

@@ -12,30 +12,14 @@ use super::{
 use crate::{
     app::ui::{Step, hint, paragraph, theme},
     report::{
-        document::{Document, numbers::count},
+        document::numbers::count,
         task_files,
         tasks::{TaskResults, TaskStudy, document, figures},
         write_files,
     },
     store::table::List,
     text::names::natural,
-    work::Analyze,
 };
-
-/// The analysis of a task, as it was made on another thread.
-pub struct TaskRead {
-    made: Arc<(TaskStudy, TaskResults)>,
-    document: Document,
-}
-
-impl TaskRead {
-    /// Analyzes a study.
-    pub fn of(study: TaskStudy, asked: &Analyze) -> Self {
-        let results = TaskResults::of(&study, asked.resampling.seed);
-        let document = document(&study, &results, &figures(&study, &results), None);
-        Self { made: (study, results).into(), document }
-    }
-}
 
 /// The results of a task, as they are shown.
 pub struct OpenTask {
@@ -53,23 +37,24 @@ pub struct OpenTask {
 }
 
 impl OpenTask {
-    /// Shows results; `before` are those of the same data with another selection, or as they were before.
-    pub fn new(read: TaskRead, files: Arc<Files>, before: Option<Self>) -> Self {
-        let TaskRead { made, document } = read;
+    /// Analyzes a study.
+    pub fn new(study: TaskStudy, files: Arc<Files>) -> Self {
         let asked = &files.asked.ratings;
+        let results = TaskResults::of(&study, files.asked.resampling.seed);
+        let view = DocumentView::new(document(&study, &results, &figures(&study, &results), None));
         let excluded = asked.how.exclude.clone().unwrap_or_default().0;
         // Those who are left out were not read.
-        let mut people = [&made.0.people[..], &excluded].concat();
+        let mut people = [&study.people[..], &excluded].concat();
         people.sort_by(|a, b| natural(a, b));
-        let (view, section, export) = match before {
-            Some(before) => (Some(before.view), before.section, before.export),
-            None => {
-                let paths = made.0.files.iter().map(|(path, _)| path.clone());
-                (None, "summary", Export::new(&asked.paths, paths))
-            }
-        };
-        let view = DocumentView::new(document, view);
-        Self { made, files, people, excluded, view, section, export, is_stale: false, request: None }
+        let export = Export::new(&asked.paths, study.files.iter().map(|(path, _)| path.clone()));
+        let made = Arc::new((study, results));
+        Self { made, files, people, excluded, view, section: "summary", export, is_stale: false, request: None }
+    }
+
+    /// Keeps the place and the pictures of the same data with another selection, or as they were before.
+    pub fn after(self, before: Self) -> Self {
+        let view = self.view.after(before.view);
+        Self { view, section: before.section, export: before.export, ..self }
     }
 
     /// Draws the page. `is_stale`: the data are being read with another selection; `error`: why they could not be.

@@ -10,7 +10,6 @@ use super::{
 };
 use crate::{
     app::{
-        analysis::TableView,
         session::fresh_seed,
         ui::{Field, note, paragraph, theme},
     },
@@ -18,7 +17,6 @@ use crate::{
         Channel, DisplayProfile, Viewing,
         matching::{ChannelGamma, MatchSettings, Matching, estimate, transfers},
     },
-    report::document::{Shown, TableOf},
     store::matches::{self, MatchFile},
     system::found,
 };
@@ -76,9 +74,8 @@ impl Method for ByEye {
     }
 
     fn estimate(&self, channels: &[Channel]) -> Result<(usize, f64), String> {
-        let settings = self.settings(channels);
-        Matching::new(&settings, 0, Vec::new()).map_err(|error| format!("{error}."))?;
-        Ok((settings.total(), settings.duration_s()))
+        let planned = Matching::new(&self.settings(channels), 0, Vec::new()).map_err(|error| format!("{error}."))?;
+        Ok((planned.total(), planned.remaining_s()))
     }
 
     fn begin(&self, channels: &[Channel], path: &Path) -> Result<MatchRun, String> {
@@ -113,23 +110,13 @@ fn distance_sentence(viewing: Option<&Viewing>, period_px: u32) -> String {
 pub struct MatchFindings {
     channels: Vec<(Channel, Result<ChannelGamma, String>)>,
     matches: usize,
-    table: TableView,
 }
 
 impl Findings for MatchFindings {
     fn read(path: &Path) -> Result<Self, String> {
         let matches = matches::open(path).map_err(|errors| errors.to_string())?;
         let channels = estimate(&matches);
-        let found: Vec<&ChannelGamma> = channels.iter().filter_map(|(_, found)| found.as_ref().ok()).collect();
-        let one = |number: f64| Shown::new(number, format!("{number:.1}"));
-        let table = TableOf::new("Matches", &found)
-            .text("channel", |found| found.channel.name())
-            .number("light of the field (proportion)", |found| Shown::new(found.share, format!("{:.2}", found.share)))
-            .number("matched code", |found| one(found.code))
-            .number("SD", |found| one(found.code_sd))
-            .number("matches", |found| Shown::new(found.matches, found.matches.to_string()));
-        let table = TableView::new(table.into());
-        Ok(Self { channels, matches: matches.len(), table })
+        Ok(Self { channels, matches: matches.len() })
     }
 
     fn summary(&mut self, ui: &mut egui::Ui) {
@@ -145,10 +132,6 @@ impl Findings for MatchFindings {
                 Err(error) => note(ui, format!("{name}: gamma cannot be estimated: {error}.")),
             }
         }
-    }
-
-    fn details(&mut self, ui: &mut egui::Ui) {
-        self.table.show(ui, 0);
     }
 
     fn profile(&self, known: &DisplayProfile) -> Option<DisplayProfile> {

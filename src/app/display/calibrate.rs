@@ -1,11 +1,11 @@
 //! The stages that the photometer and matching by eye share: settings, a full-screen run that can be paused and
-//! resumed, findings, a check on the screen, and the profile to save.
+//! resumed, findings, and the profile to save.
 
 use std::path::{Path, PathBuf};
 
-use eframe::egui::{self, Color32, Context, TextEdit, Ui, ViewportCommand};
+use eframe::egui::{self, Color32, Context, Ui, ViewportCommand};
 
-use super::{check::CheckPage, tool::Tool};
+use super::tool::Tool;
 use crate::{
     app::ui::{
         Dialog, Field, FileKind, Monitor, Saving, ScreenFields, Step, hint, neutral_primary, paragraph, secondary,
@@ -75,7 +75,7 @@ pub trait Findings: Sized {
     fn summary(&mut self, ui: &mut Ui);
 
     /// Draws plots and tables.
-    fn details(&mut self, ui: &mut Ui);
+    fn details(&mut self, _: &mut Ui) {}
 
     /// Returns the known profile, updated with the findings; `None` if they are insufficient.
     fn profile(&self, _: &DisplayProfile) -> Option<DisplayProfile> {
@@ -91,7 +91,7 @@ pub trait Findings: Sized {
 /// A file of measurements, and either the findings with the profile's form, or the errors.
 type Found<M> = (PathBuf, Result<(<M as Method>::Findings, ProfileForm), String>);
 
-/// The page of a method: settings, then a run, then the findings, then a check of them.
+/// The page of a method: settings, then a run, then the findings.
 pub struct Calibrate<M: Method> {
     /// What is known about the screen apart from these measurements.
     known: DisplayProfile,
@@ -110,16 +110,14 @@ pub struct Calibrate<M: Method> {
     run: Option<M::Run>,
     /// The findings, once there are measurements.
     found: Option<Found<M>>,
-    check: Option<CheckPage>,
 }
 
 impl<M: Method> Calibrate<M> {
     /// Creates the settings page for the screen that `known` describes.
     pub fn new(method: M, known: DisplayProfile, channels: [bool; 2]) -> Self {
-        let path = format!("calibration/{}_{}.csv", file_name(&screen_name(&known)), M::ITEMS);
+        let path = format!("calibration/{}.csv", M::ITEMS);
         let (file, file_error, dialog, error) = Default::default();
-        let (run, found, check) = (None, None, None);
-        Self { known, method, path, channels, file, file_error, dialog, error, run, found, check }
+        Self { known, method, path, channels, file, file_error, dialog, error, run: None, found: None }
     }
 
     /// Draws the settings. `viewing` is `None` if the viewing distance or the screen's width is unknown.
@@ -183,19 +181,18 @@ impl<M: Method> Calibrate<M> {
     fn file_field(&mut self, ui: &mut Ui) -> bool {
         section(ui, format!("Or use {} from a file", M::ITEMS));
         hint(ui, M::FORMAT);
-        let errors = self.file_error.clone();
-        Field::new(&format!("File of {}", M::ITEMS)).column(LABELS).error(&errors).show(ui, |ui, label| {
-            ui.horizontal_wrapped(|ui| {
-                let field = ui.add(TextEdit::singleline(&mut self.file).desired_width(240.0)).labelled_by(label);
-                let entered = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
-                if self.dialog.browse(ui, FileKind::Data, "Choose a file…", &mut self.file) || field.changed() {
-                    self.file_error.clear();
-                }
-                let is_named = !self.file.trim().is_empty();
-                ui.add_enabled(is_named, egui::Button::new("Use this file")).clicked() || entered && is_named
-            })
-            .inner
-        })
+        let (label, browse) = (format!("File of {}", M::ITEMS), (FileKind::Data, "Choose a file…"));
+        let field = Field::new(&label).column(LABELS).error(&self.file_error);
+        let (field, chosen) = field.path(ui, &mut self.file, &mut self.dialog, browse);
+        if chosen || field.changed() {
+            self.file_error.clear();
+        }
+        let entered = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
+        let is_named = !self.file.trim().is_empty();
+        let used = Field::new("")
+            .column(LABELS)
+            .show(ui, |ui, _| ui.add_enabled(is_named, egui::Button::new("Use this file")).clicked());
+        used || entered && is_named
     }
 
     fn start(&mut self, ui: &Ui, run: M::Run) {
@@ -233,9 +230,6 @@ impl<M: Method> Calibrate<M> {
                     found.summary(ui);
                     if let Some(profile) = found.profile(&self.known) {
                         saved = form.show(ui, &profile);
-                        if ui.button("Check on the screen…").clicked() {
-                            self.check = Some(CheckPage::new(form.filled(&profile)));
-                        }
                     }
                     ui.add_space(8.0);
                     found.details(ui);
@@ -257,13 +251,7 @@ impl<M: Method> Calibrate<M> {
 
 impl<M: Method> Tool for Calibrate<M> {
     fn show(&mut self, ui: &mut Ui, monitor: &Monitor, fields: &mut ScreenFields) -> Step<PathBuf> {
-        if let Some(check) = &mut self.check {
-            if check.draw(ui) {
-                self.check = None;
-                ui.ctx().request_repaint();
-            }
-            Step::Stay
-        } else if self.found.is_some() {
+        if self.found.is_some() {
             self.show_findings(ui)
         } else if self.run.is_some() {
             self.show_run(ui);
@@ -301,9 +289,9 @@ struct ProfileForm {
 
 impl ProfileForm {
     fn new(known: &DisplayProfile, with: String) -> Self {
-        let name = screen_name(known);
+        let name = if known.measured.is_some() { known.name.clone() } else { "My screen".to_owned() };
         let by = known.measured.clone().and_then(|measured| measured.by).unwrap_or_default();
-        let path = format!("calibration/{}.toml", file_name(&name));
+        let path = "calibration/screen.toml".to_owned();
         Self { name, by, with, path, saving: Saving::default() }
     }
 
@@ -350,18 +338,6 @@ fn write(writer: &Writer, path: &Path, profile: &DisplayProfile) -> Result<(), S
         writer.make_folder(folder)?;
     }
     profile::write(writer, path, profile)
-}
-
-/// Returns the name of a measured screen, or a name to begin with.
-fn screen_name(known: &DisplayProfile) -> String {
-    if known.measured.is_some() { known.name.clone() } else { "My screen".to_owned() }
-}
-
-/// Converts the name of a screen to a part of a file name.
-fn file_name(name: &str) -> String {
-    let letter = |c: char| if c.is_alphanumeric() || c == '-' { c } else { '_' };
-    let name: String = name.trim().chars().map(letter).collect();
-    if name.is_empty() { "screen".to_owned() } else { name }
 }
 
 /// Makes the window fill the screen, or not.

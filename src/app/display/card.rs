@@ -59,69 +59,48 @@ impl CardHelper {
         // typing; on a button, it activates the button.
         let free = ctx.memory(|memory| memory.focused()).is_none_or(|focused| self.slider == Some(focused));
         let accepted = free && self.slider.is_some() && ctx.input(|input| input.key_pressed(Key::Enter));
-        let width = COLUMN.max(self.outline(ctx).x);
-        let (step, closed) = modal(ctx, "card", width, |ui, height| {
+        let outline = Vec2::new(self.card_px, self.card_px * CARD_ASPECT) / ctx.pixels_per_point();
+        let (step, closed) = modal(ctx, "card", COLUMN.max(outline.x), |ui, height| {
             let scrolling = ScrollArea::vertical().max_height(height).min_scrolled_height(height);
-            scrolling.show(ui, |ui| self.content(ui, screen_width_px, accepted)).inner
+            scrolling.show(ui, |ui| self.content(ui, screen_width_px, outline, accepted)).inner
         });
         if closed && step == Step::Stay { Step::Back } else { step }
     }
 
-    /// Returns the size of the outline in points.
-    fn outline(&self, ctx: &egui::Context) -> Vec2 {
-        Vec2::new(self.card_px, self.card_px * CARD_ASPECT) / ctx.pixels_per_point()
-    }
-
-    fn content(&mut self, ui: &mut egui::Ui, screen_width_px: u32, accepted: bool) -> Step<f64> {
+    fn content(&mut self, ui: &mut egui::Ui, screen_width_px: u32, outline: Vec2, accepted: bool) -> Step<f64> {
         ui.heading("Measure the screen with a card");
         ui.label(
             "Hold a bank card (8.56 cm wide) against the screen and adjust the outline to the same width with the \
             left and right arrow keys. Press Enter to accept.",
         );
-        self.slider(ui, screen_width_px);
-        self.draw(ui);
-        match width_cm_from_card(f64::from(self.card_px), screen_width_px) {
-            Ok(width) => buttons(ui, width, accepted),
-            Err(error) => {
-                show_error(ui, error);
-                Step::Stay
-            }
-        }
-    }
-
-    /// Draws the slider. Its range extends to the width of the whole screen, so that a small window does not limit it.
-    fn slider(&mut self, ui: &mut egui::Ui, screen_width_px: u32) {
+        // A small window does not limit the outline.
         let range = MIN_PX..=(screen_width_px as f32).max(2.0 * MIN_PX);
         let field = Field::new("Width of the outline, pixels").column(LABEL).width(SLIDER);
-        let slider = field.slider(ui, &mut self.card_px, range, 1.0);
-        if self.slider.is_none() {
-            slider.request_focus();
-            self.slider = Some(slider.id);
+        let slider = field.slider(ui, &mut self.card_px, range, 1.0).id;
+        if self.slider.replace(slider).is_none() {
+            ui.memory_mut(|memory| memory.request_focus(slider));
         }
-    }
-
-    fn draw(&self, ui: &mut egui::Ui) {
-        let size = self.outline(ui.ctx());
-        if size.x > ui.available_width() {
+        if outline.x > ui.available_width() {
             ui.label(secondary("The outline is wider than this window. Make the window larger to see all of it."));
         }
         ScrollArea::horizontal().id_salt("outline").show(ui, |ui| {
-            let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
+            let (rect, _) = ui.allocate_exact_size(outline, Sense::hover());
             let stroke = Stroke::new(1.0, ink(ui).text);
             ui.painter().rect(rect, 10.0, ink(ui).line, stroke, egui::StrokeKind::Inside);
         });
-    }
-}
-
-/// Draws the screen's width in cm and the buttons.
-fn buttons(ui: &mut egui::Ui, width: f64, accepted: bool) -> Step<f64> {
-    ui.label(format!("The screen is {width:.1} cm wide."));
-    ui.horizontal_wrapped(|ui| {
-        let used = neutral_primary(ui, "Use this width", true, "");
-        if ui.button("Cancel").clicked() {
-            return Step::Back;
+        let found = width_cm_from_card(f64::from(self.card_px), screen_width_px);
+        match &found {
+            Ok(width) => _ = ui.label(format!("The screen is {width:.1} cm wide.")),
+            Err(error) => show_error(ui, error),
         }
-        if used || accepted { Step::Next((width * 10.0).round() / 10.0) } else { Step::Stay }
-    })
-    .inner
+        ui.horizontal_wrapped(|ui| {
+            let used = neutral_primary(ui, "Use this width", found.is_ok(), "");
+            if ui.button("Cancel").clicked() {
+                return Step::Back;
+            }
+            let width = found.ok().filter(|_| used || accepted);
+            width.map_or(Step::Stay, |width| Step::Next((width * 10.0).round() / 10.0))
+        })
+        .inner
+    }
 }

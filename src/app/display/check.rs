@@ -37,10 +37,32 @@ impl CheckPage {
         Self { profile, pairs: false, made: None }
     }
 
-    /// Draws the page; returns whether the user left it.
-    pub fn draw(&mut self, ui: &mut egui::Ui) -> bool {
+    fn make(&mut self, ctx: &egui::Context) {
+        let row_px = if self.pairs { 2 } else { 1 };
+        if self.made.as_ref().is_some_and(|(made, _)| *made == row_px) {
+            return;
+        }
+        let fields = |channel: Channel| {
+            let field = |text: String, (lit, period): (u32, u32), error: f64| {
+                let rows = Rows { lit, period, row_px };
+                let patch = rows.check_patch(&self.profile.transfers, channel, error);
+                let image = rows.picture(channel, patch, [FIELD_PX; 2], PATCH_PX);
+                let texture = pixels::texture(ctx, &format!("check {channel} {text}"), &image);
+                (text, texture)
+            };
+            let right = CHECKED.map(|rows| field(format!("{} of {} rows", rows.0, rows.1), rows, 0.0));
+            let wrong = [-ERROR, ERROR]
+                .map(|error| field(format!("off by {}", signed(&format!("{error:+}"))), CHECKED[0], error));
+            (channel, right.into_iter().chain(wrong).collect())
+        };
+        self.made = Some((row_px, [Channel::Gray, Channel::Red, Channel::Green, Channel::Blue].map(fields)));
+    }
+}
+
+impl Tool for CheckPage {
+    fn show(&mut self, ui: &mut egui::Ui, _: &Monitor, _: &mut ScreenFields) -> Step<PathBuf> {
         self.make(ui.ctx());
-        tool_page(ui, "Check the gamma", |ui| {
+        Step::back_if(tool_page(ui, "Check the gamma", |ui| {
             paragraph(
                 ui,
                 "Sit far enough away that the rows blend, or squint. If the profile is correct, the squares in the \
@@ -74,33 +96,6 @@ impl CheckPage {
                 }
                 ui.add_space(8.0);
             }
-        })
-    }
-
-    fn make(&mut self, ctx: &egui::Context) {
-        let row_px = if self.pairs { 2 } else { 1 };
-        if self.made.as_ref().is_some_and(|(made, _)| *made == row_px) {
-            return;
-        }
-        let fields = |channel: Channel| {
-            let field = |text: String, (lit, period): (u32, u32), error: f64| {
-                let rows = Rows { lit, period, row_px };
-                let patch = rows.check_patch(&self.profile.transfers, channel, error);
-                let image = rows.picture(channel, patch, [FIELD_PX; 2], PATCH_PX);
-                let texture = pixels::texture(ctx, &format!("check {channel} {text}"), &image);
-                (text, texture)
-            };
-            let right = CHECKED.map(|rows| field(format!("{} of {} rows", rows.0, rows.1), rows, 0.0));
-            let wrong = [-ERROR, ERROR]
-                .map(|error| field(format!("off by {}", signed(&format!("{error:+}"))), CHECKED[0], error));
-            (channel, right.into_iter().chain(wrong).collect())
-        };
-        self.made = Some((row_px, [Channel::Gray, Channel::Red, Channel::Green, Channel::Blue].map(fields)));
-    }
-}
-
-impl Tool for CheckPage {
-    fn show(&mut self, ui: &mut egui::Ui, _: &Monitor, _: &mut ScreenFields) -> Step<PathBuf> {
-        Step::back_if(self.draw(ui))
+        }))
     }
 }

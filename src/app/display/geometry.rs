@@ -6,7 +6,9 @@ use eframe::egui;
 
 use super::{calibrate::LABELS, card::CardHelper, tool::Tool};
 use crate::{
-    app::ui::{Field, Monitor, ScreenFields, Step, note, number, platform::Platform, show_error, tool_page},
+    app::ui::{
+        Field, Monitor, ScreenFields, Step, number, platform::Platform, show_error, text, theme::ink, tool_page,
+    },
     display::{Viewing, geometry::distance_cm},
 };
 
@@ -37,10 +39,10 @@ impl GeometryPage {
                 }
             });
         });
-        if fields.width_is_assumed() {
-            let per_inch = monitor.assumed_per_inch();
-            note(ui, format!("This width assumes {per_inch} pixels per inch. Measure it with a card."));
-        }
+        let per_inch = monitor.assumed_per_inch();
+        let assumed = format!("This width assumes {per_inch} pixels per inch. Measure it with a card.");
+        // The note has the same room without its text.
+        text::two_lines(ui, if fields.width_is_assumed() { &assumed } else { "" }, ink(ui).warn, 2);
         field("Viewing distance, cm").width(90.0).text(ui, &mut fields.distance_cm);
         field("Planned stimulus size, degrees").width(90.0).text(ui, &mut self.window_deg);
     }

@@ -119,12 +119,16 @@ impl Run for MatchRun {
         let now = ui.input(|input| input.time);
         let mut due_s = *self.due_s.get_or_insert(now + GAP_S);
         self.start_s.get_or_insert(due_s);
-        for (key, repeated) in pressed(ui) {
+        for event in ui.input(|input| input.events.clone()) {
+            let Event::Key { key, pressed: true, repeat, modifiers, .. } = event else { continue };
+            if modifiers.command || modifiers.alt {
+                continue;
+            }
             if key == Key::Escape {
                 self.due_s = None;
                 return Step::Back;
             }
-            self.press(key, repeated, now, due_s);
+            self.press(key, repeat, now, due_s);
             due_s = self.due_s.unwrap_or(due_s);
         }
         let Some(shown) = self.matching.shown() else { return Step::Next(()) };
@@ -139,17 +143,4 @@ impl Run for MatchRun {
         });
         Step::Stay
     }
-}
-
-/// Returns the keys pressed in this frame, in order, and whether each is a repeat.
-fn pressed(ui: &egui::Ui) -> Vec<(Key, bool)> {
-    ui.input(|input| {
-        let of = |event: &Event| match event {
-            Event::Key { key, pressed: true, repeat, modifiers, .. } if !(modifiers.command || modifiers.alt) => {
-                Some((*key, *repeat))
-            }
-            _ => None,
-        };
-        input.events.iter().filter_map(of).collect()
-    })
 }

@@ -92,19 +92,15 @@ impl PatchRun {
             unconfirmed: None,
         };
         // The file is written before the first reading, so that an unwritable file is reported now.
-        readings::write(&Writer::new([], is_known), path, &run.taken_readings())?;
+        run.write(is_known)?;
         Ok(run)
     }
 
-    fn taken_readings(&self) -> Vec<Reading> {
+    fn write(&self, replaces: bool) -> Result<(), StoreError> {
         let read = self.patches.iter().zip(&self.readings).filter_map(|(patch, reading)| {
             reading.map(|luminance_cd_m2| Reading { channel: patch.channel, level: patch.level, luminance_cd_m2 })
         });
-        read.collect()
-    }
-
-    fn write(&self) -> Result<(), StoreError> {
-        readings::write(&Writer::new([], true), &self.path, &self.taken_readings())
+        readings::write(&Writer::new([], replaces), &self.path, &read.collect::<Vec<_>>())
     }
 
     fn line(&mut self, ui: &mut egui::Ui, at: usize, remaining_s: f64) -> Step<()> {
@@ -174,7 +170,7 @@ impl PatchRun {
     /// Stores a reading in memory and on disk; returns the error, if any.
     fn take(&mut self, at: usize, value: f64) -> Option<String> {
         let before = self.readings[at].replace(value);
-        if let Err(error) = self.write() {
+        if let Err(error) = self.write(true) {
             // The typed text stays in the line, so that the user can try again.
             self.readings[at] = before;
             return Some(error.to_string());

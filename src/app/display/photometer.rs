@@ -15,7 +15,7 @@ use crate::{
     },
     display::{
         Channel, DisplayProfile, Measurement, Viewing,
-        photometer::{Calibration, Patch, PatchSettings, largest_percent, patches},
+        photometer::{Calibration, Patch, largest_percent, patches},
     },
     report::{calibration::tables, figures},
     store::readings,
@@ -30,7 +30,8 @@ pub const SETTLING_S: std::ops::RangeInclusive<f64> = 0.0..=30.0;
 
 /// The settings of the method.
 pub struct Photometer {
-    patches: PatchSettings,
+    levels: usize,
+    repeats: usize,
     settle_s: f64,
     percent: u32,
     gray_around: bool,
@@ -38,14 +39,13 @@ pub struct Photometer {
 
 impl Default for Photometer {
     fn default() -> Self {
-        Self { patches: PatchSettings::default(), settle_s: 1.0, percent: 40, gray_around: false }
+        Self { levels: 17, repeats: 1, settle_s: 1.0, percent: 40, gray_around: false }
     }
 }
 
 impl Photometer {
     fn patches(&self, channels: &[Channel]) -> Result<Vec<Patch>, String> {
-        let settings = PatchSettings { channels: channels.to_vec(), ..self.patches.clone() };
-        patches(&settings).map_err(|error| format!("{error}."))
+        patches(channels, self.levels, self.repeats).map_err(|error| format!("{error}."))
     }
 }
 
@@ -62,8 +62,8 @@ impl Method for Photometer {
 
     fn fields(&mut self, ui: &mut egui::Ui, _: Option<&Viewing>) {
         let field = |label| Field::new(label).column(LABELS).width(SLIDER);
-        field("Levels per channel").slider(ui, &mut self.patches.levels, 5..=33, 1.0);
-        field("Readings per patch").slider(ui, &mut self.patches.repeats, 1..=5, 1.0);
+        field("Levels per channel").slider(ui, &mut self.levels, 5..=33, 1.0);
+        field("Readings per patch").slider(ui, &mut self.repeats, 1..=5, 1.0);
         field("Settling time, seconds").slider(ui, &mut self.settle_s, SETTLING_S, 0.5);
         field("Patch height, % of the screen").slider(ui, &mut self.percent, 10..=80, 1.0);
         Field::new("").column(LABELS).show(ui, |ui, _| {

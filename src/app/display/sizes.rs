@@ -10,12 +10,8 @@ use super::{
     photometer::{READING_S, SETTLING_S},
 };
 use crate::{
-    app::{
-        analysis::TableView,
-        ui::{Field, hint, note},
-    },
+    app::ui::{Field, hint, note},
     display::{Channel, Viewing, photometer::Patch},
-    report::document::{Shown, TableOf},
     store::readings,
 };
 
@@ -59,7 +55,7 @@ impl Method for SizeTest {
 }
 
 /// The luminance of white at each size.
-pub struct SizeFindings([f64; PERCENTS.len()], TableView);
+pub struct SizeFindings([f64; PERCENTS.len()]);
 
 impl Findings for SizeFindings {
     fn read(path: &Path) -> Result<Self, String> {
@@ -70,12 +66,7 @@ impl Findings for SizeFindings {
             let (path, sizes) = (path.display(), PERCENTS.len());
             format!("{path}: there are {} readings of white; expected {sizes}, one for each size", found.len())
         };
-        let cd_m2: [f64; PERCENTS.len()] = cd_m2.try_into().map_err(wrong)?;
-        let rows: Vec<(u32, f64)> = PERCENTS.into_iter().zip(cd_m2).collect();
-        let table = TableOf::new("Luminance of white, by the height of the patch", &rows)
-            .number("% of the screen", |(percent, _)| Shown::new(*percent, percent.to_string()))
-            .number("cd/m²", |(_, cd_m2)| Shown::new(*cd_m2, format!("{cd_m2:.1}")));
-        Ok(Self(cd_m2, TableView::new(table.into())))
+        cd_m2.try_into().map(Self).map_err(wrong)
     }
 
     fn summary(&mut self, ui: &mut egui::Ui) {
@@ -93,9 +84,8 @@ impl Findings for SizeFindings {
             );
             note(ui, text);
         }
-    }
-
-    fn details(&mut self, ui: &mut egui::Ui) {
-        self.1.show(ui, 0);
+        for (percent, cd_m2) in PERCENTS.iter().zip(self.0) {
+            hint(ui, format!("{percent} % of the screen's height: {cd_m2:.1} cd/m²"));
+        }
     }
 }

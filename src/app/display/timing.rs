@@ -1,10 +1,9 @@
-//! The timing tool: measures how regular frame intervals are while the content changes in every frame, and shows them
-//! in a table and a plot.
+//! The timing tool: measures how regular frame intervals are, and shows them in a table and a plot.
 
 use std::{path::PathBuf, time::Duration};
 
 use eframe::{
-    egui::{self, CentralPanel, Color32, Frame, Key, Rect, RichText, TextureHandle, Ui, Vec2},
+    egui::{self, CentralPanel, Color32, Frame, Key, Rect, RichText, Ui, Vec2},
     emath::GuiRounding as _,
 };
 
@@ -13,14 +12,12 @@ use crate::{
     app::ui::{
         Field, Monitor, ScreenFields, Step,
         figure::FigureView,
-        neutral_primary, page, paragraph, pixels, secondary,
+        neutral_primary, page, paragraph, secondary,
         theme::{DARK_PAGE, ink},
         tool_page,
     },
     display::frames::{FrameTimes, MIN_ESTIMATE_INTERVALS, Refresh},
-    light::{Bits, Quantizer, Transfer},
     report::figures,
-    stimulus::Stimulus,
 };
 
 /// The choices for the number of frames.
@@ -35,20 +32,6 @@ const FLICKER_WARNING: &str = "A patch will flicker between black and white with
 /// upper left corner of the screen, where a photodiode can be held, physical pixels.
 const PATCH_PX: f32 = 96.0;
 const MARGIN_PX: f32 = 16.0;
-/// Side of the trial's stimulus, physical pixels.
-const STIMULUS_PX: u32 = 512;
-/// Number of frames that show the field and then the stimulus in a trial.
-const FIELD_FRAMES: u32 = 30;
-const STIMULUS_FRAMES: u32 = 60;
-
-/// What is drawn during a measurement.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Scene {
-    /// A patch that alternates between black and white: a target for a photodiode.
-    Patch,
-    /// The screen of a trial as in a session: the uniform field, and a different stimulus in each trial.
-    Trial,
-}
 
 /// Frame intervals and the refresh against which they are judged.
 #[derive(Clone, Debug, PartialEq)]
@@ -104,84 +87,64 @@ impl TimingReport {
         ]
     }
 
-    /// Returns whether there is one frame per refresh; `None` if there are too few frames to judge.
-    pub fn is_one_by_one(&self) -> Option<bool> {
-        let enough = self.intervals_us().len() >= MIN_ESTIMATE_INTERVALS;
-        let followed = self.refresh.is_some_and(|refresh| refresh.is_followed_by(self.intervals_us()));
-        enough.then_some(followed && self.times.dropped() == Some(0))
-    }
-
-    /// Returns the result in one or two sentences.
-    pub fn verdict(&self) -> String {
-        let count = self.intervals_us().len();
+    /// Returns whether there is one frame per refresh, which is unknown if there are too few frames to judge, and says so in
+    /// one or two sentences.
+    pub fn verdict(&self) -> (Option<bool>, String) {
+        let (count, ms) = (self.intervals_us().len(), |p: f64| self.times.quantile(p).unwrap_or_default() * 1e3);
         if count < MIN_ESTIMATE_INTERVALS {
-            return format!("{count} frames are too few to judge; expected {MIN_ESTIMATE_INTERVALS} or more.");
+            let told = format!("{count} frames are too few to judge; expected {MIN_ESTIMATE_INTERVALS} or more.");
+            return (None, told);
         }
         let Some(refresh) = self.refresh.filter(|refresh| refresh.is_followed_by(self.intervals_us())) else {
-            return self.scatter();
+            let judged = match self.refresh {
+                Some(refresh) => format!("not even the {:.2} Hz that the system reports", refresh.hz()),
+                None => "so no frame can be judged as dropped".to_owned(),
+            };
+            let told = format!(
+                "The frames do not follow a steady refresh, {judged}: 98 % of their intervals are between {:.1} and {:.1} \
+                    ms. Close other programs and measure in full screen.",
+                ms(0.01),
+                ms(0.99)
+            );
+            return (Some(false), told);
         };
         let (hz, dropped) = (refresh.hz(), self.times.dropped().unwrap_or_default());
         let percent = 100.0 * dropped as f64 / count as f64;
-        if dropped == 0 {
-            format!("Every refresh at {hz:.2} Hz showed a new frame: none of {count} was dropped.")
-        } else {
-            format!(
+        let told = match dropped {
+            0 => format!("Every refresh at {hz:.2} Hz showed a new frame: none of {count} was dropped."),
+            _ => format!(
                 "The frames follow the refresh rate of {hz:.2} Hz; dropped frames: {dropped} of {count} ({percent:.1} %). Close other programs."
-            )
-        }
-    }
-
-    /// Says that the frames do not follow a steady refresh, and describes their intervals.
-    fn scatter(&self) -> String {
-        let ms = |p: f64| self.times.quantile(p).unwrap_or_default() * 1e3;
-        let judged = match self.refresh {
-            Some(refresh) => format!("not even the {:.2} Hz that the system reports", refresh.hz()),
-            None => "so no frame can be judged as dropped".to_owned(),
+            ),
         };
-        format!(
-            "The frames do not follow a steady refresh, {judged}: 98 % of their intervals are between {:.1} and {:.1} \
-                ms. Close other programs and measure in full screen.",
-            ms(0.01),
-            ms(0.99)
-        )
+        (Some(dropped == 0), told)
     }
 }
 
 /// A measurement in progress.
+#[derive(Default)]
 struct TimingRun {
-    scene: Scene,
+    /// Whether a patch alternates between black and white: a target for a photodiode.
+    flickers: bool,
     /// Frames to measure.
     frames: u32,
     /// The window's time at which the warning began, seconds. Content that does not flicker needs no warning.
     warned: Option<f64>,
     frame: u32,
     times: FrameTimes,
-    quantizer: Quantizer,
-    /// Number of the current trial, from 0, and its image.
-    picture: Option<(u32, TextureHandle)>,
 }
 
 impl TimingRun {
-    /// Creates a measurement that is ready to begin. Flicker begins only after a warning.
-    fn new(scene: Scene, frames: u32) -> Self {
-        let quantizer = Quantizer::new(Transfer::Srgb, Bits::Eight);
-        Self { scene, frames, warned: None, frame: 0, times: FrameTimes::default(), quantizer, picture: None }
-    }
-
     /// Draws a frame and requests the next one; returns the report once all frames are measured.
     fn show(&mut self, ui: &mut Ui, monitor: &Monitor) -> Option<TimingReport> {
         let now = ui.input(|input| input.time);
         ui.ctx().request_repaint();
-        match self.scene {
-            Scene::Patch => {
-                let remaining_s = WARNING_S - (now - *self.warned.get_or_insert(now));
-                if remaining_s > 0.0 {
-                    warn(ui, remaining_s);
-                    return None;
-                }
-                draw_patch(ui, self.frame);
+        if self.flickers {
+            let remaining_s = WARNING_S - (now - *self.warned.get_or_insert(now));
+            if remaining_s > 0.0 {
+                warn(ui, remaining_s);
+                return None;
             }
-            Scene::Trial => self.draw_trial(ui),
+            draw_patch(ui, self.frame);
         }
         self.frame += 1;
         if self.frame > SETTLING {
@@ -191,39 +154,10 @@ impl TimingRun {
         (measured.len() >= self.frames as usize).then(|| TimingReport::new(measured, monitor))
     }
 
-    /// Returns the background color of the page.
+    /// Returns the background color of the page: black, so that nothing of the warning remains behind the patch.
     fn ground(&self) -> Color32 {
-        match self.scene {
-            // Black, so that nothing of the warning page remains behind the patch.
-            Scene::Patch if self.frame > 0 => Color32::BLACK,
-            Scene::Patch => DARK_PAGE,
-            Scene::Trial => pixels::field(&self.quantizer, stimulus(0).field_light(0.5)),
-        }
+        if self.frame > 0 { Color32::BLACK } else { DARK_PAGE }
     }
-
-    /// Draws the screen of a trial.
-    fn draw_trial(&mut self, ui: &mut Ui) {
-        let trial = self.frame / (FIELD_FRAMES + STIMULUS_FRAMES);
-        if self.picture.as_ref().is_none_or(|(made, _)| *made != trial) {
-            // As in a session, the texture is created while the field is shown.
-            let texture = pixels::texture(ui.ctx(), "timing", &stimulus(trial).codes(STIMULUS_PX, &self.quantizer));
-            self.picture = Some((trial, texture));
-        }
-        let shown = self.frame % (FIELD_FRAMES + STIMULUS_FRAMES) >= FIELD_FRAMES;
-        CentralPanel::default().frame(Frame::NONE).show(ui, |ui| {
-            if let Some((_, texture)) = self.picture.as_ref().filter(|_| shown) {
-                pixels::draw_centered(ui, texture, ui.ctx().content_rect());
-            }
-        });
-    }
-}
-
-/// Returns a different stimulus for each trial.
-fn stimulus(trial: u32) -> Stimulus {
-    let mut stimulus = Stimulus::default();
-    // Cannot fail: the orientation is valid for every Mach band.
-    let _ = stimulus.set("orientation_deg", &f64::from(45 * (trial % 8)).into());
-    stimulus
 }
 
 fn draw_patch(ui: &mut Ui, frame: u32) {
@@ -244,7 +178,7 @@ fn warn(ui: &mut Ui, remaining_s: f64) {
 }
 
 pub struct TimingTool {
-    scene: Scene,
+    flickers: bool,
     frames: u32,
     run: Option<TimingRun>,
     found: Option<(TimingReport, FigureView)>,
@@ -252,16 +186,15 @@ pub struct TimingTool {
 
 impl Default for TimingTool {
     fn default() -> Self {
-        Self { scene: Scene::Trial, frames: 600, run: None, found: None }
+        Self { flickers: false, frames: 600, run: None, found: None }
     }
 }
 
 impl TimingTool {
     fn settings(&mut self, ui: &mut egui::Ui) {
-        let scenes = [(Scene::Trial, "The screen of a trial"), (Scene::Patch, "A flickering patch")];
-        Field::new("Show").radio(ui, &mut self.scene, &scenes);
+        Field::new("Show").show(ui, |ui, _| ui.checkbox(&mut self.flickers, "A flickering patch"));
         Field::new("Frames").choice(ui, &mut self.frames, &FRAMES, u32::to_string);
-        if self.scene == Scene::Patch {
+        if self.flickers {
             paragraph(ui, RichText::new(FLICKER_WARNING).color(ink(ui).warn));
         }
         ui.add_space(4.0);
@@ -269,8 +202,9 @@ impl TimingTool {
 
     fn show_found(&mut self, ui: &mut egui::Ui) {
         let Some((report, figure)) = &mut self.found else { return };
-        let color = if report.is_one_by_one() == Some(true) { ink(ui).good } else { ink(ui).warn };
-        paragraph(ui, RichText::new(report.verdict()).strong().color(color));
+        let (is_one_by_one, told) = report.verdict();
+        let color = if is_one_by_one == Some(true) { ink(ui).good } else { ink(ui).warn };
+        paragraph(ui, RichText::new(told).strong().color(color));
         ui.add_space(4.0);
         egui::Grid::new("timing").num_columns(2).spacing([24.0, 4.0]).show(ui, |ui| {
             for (name, value) in report.rows() {
@@ -303,7 +237,7 @@ impl Tool for TimingTool {
             ui.add_space(8.0);
             self.settings(ui);
             if neutral_primary(ui, "Measure", true, "Full screen. Press Esc to stop.") {
-                self.run = Some(TimingRun::new(self.scene, self.frames));
+                self.run = Some(TimingRun { flickers: self.flickers, frames: self.frames, ..TimingRun::default() });
                 full_screen(ui.ctx(), true);
             }
             ui.add_space(12.0);

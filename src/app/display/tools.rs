@@ -13,8 +13,6 @@ use crate::{
 
 #[derive(Default)]
 pub struct Display {
-    /// The path of the last profile that was read, and the profile or its errors.
-    read: Option<(String, Result<DisplayProfile, String>)>,
     /// The tools that were opened, in the order of [`TOOLS`]. They outlive their pages, so that a paused run can be
     /// resumed.
     tools: [Option<Box<dyn Tool>>; TOOLS.len()],
@@ -36,39 +34,40 @@ impl Display {
         }
     }
 
-    /// Draws the open tool, or the list of tools; returns whether the user left the list. `fields` are the start page's
-    /// fields for the profile's path, the screen's width and the distance, which can also be set here; `window_deg` is
-    /// the side of the planned stimulus.
-    pub fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor, fields: &mut ScreenFields, window_deg: f64) -> bool {
+    /// Draws the open tool, or the list of tools; returns whether the user left the list, and `Next` once a tool has written
+    /// the profile that the fields name. `fields` are the start page's fields for the profile's path, the screen's width and
+    /// the distance, which can also be set here; `found` is the profile, or what is wrong with it; `window_deg` is the side
+    /// of the planned stimulus.
+    pub fn show(
+        &mut self,
+        ui: &mut egui::Ui,
+        monitor: &Monitor,
+        fields: &mut ScreenFields,
+        found: Result<&DisplayProfile, &str>,
+        window_deg: f64,
+    ) -> Step<()> {
         let Some(tool) = self.open.and_then(|open| self.tools[open].as_mut()) else {
-            return self.list(ui, fields, window_deg);
+            return Step::back_if(self.list(ui, fields, found, window_deg));
         };
-        match tool.show(ui, monitor, fields) {
-            Step::Stay => return false,
-            Step::Back => {}
-            Step::Next(saved) => {
-                fields.profile = saved.display().to_string();
-                // The file has changed, so it must be read again.
-                self.read = None;
-                say(ui.ctx(), format!("Saved as {}; now in use.", saved.display()));
-            }
+        let step = tool.show(ui, monitor, fields);
+        if step == Step::Stay {
+            return Step::Stay;
         }
         self.open = None;
         ui.ctx().request_repaint();
-        false
+        let Step::Next(saved) = step else { return Step::Stay };
+        fields.profile = saved.display().to_string();
+        say(ui.ctx(), format!("Saved as {}; now in use.", saved.display()));
+        Step::Next(())
     }
 
-    /// Returns the profile that the fields name, read once per path.
-    fn profile(&mut self, fields: &ScreenFields) -> Result<DisplayProfile, String> {
-        let path = fields.profile.trim().to_owned();
-        if self.read.as_ref().is_none_or(|(read, _)| *read != path) {
-            self.read = Some((path, fields.profile()));
-        }
-        self.read.as_ref().map_or_else(|| Ok(DisplayProfile::default()), |(_, found)| found.clone())
-    }
-
-    fn list(&mut self, ui: &mut egui::Ui, fields: &mut ScreenFields, window_deg: f64) -> bool {
-        let found = self.profile(fields);
+    fn list(
+        &mut self,
+        ui: &mut egui::Ui,
+        fields: &mut ScreenFields,
+        found: Result<&DisplayProfile, &str>,
+        window_deg: f64,
+    ) -> bool {
         let mut chosen = None;
         let back = tool_page(ui, "Display", |ui| {
             ui.label(
@@ -76,7 +75,7 @@ impl Display {
                     each code.",
             );
             ui.add_space(8.0);
-            self.profile_field(ui, fields, &found);
+            self.profile_field(ui, fields, found);
             ui.add_space(8.0);
             for (place, (name, what, _)) in TOOLS.iter().enumerate() {
                 ui.add_space(4.0);
@@ -88,7 +87,7 @@ impl Display {
             }
         });
         if let Some(place) = chosen {
-            let (profile, (.., make)) = (found.unwrap_or_default(), TOOLS[place]);
+            let (profile, (.., make)) = (found.cloned().unwrap_or_default(), TOOLS[place]);
             if !self.tools[place].as_mut().is_some_and(|tool| tool.reopen(&profile)) {
                 self.tools[place] = Some(make(profile, window_deg));
             }
@@ -98,7 +97,7 @@ impl Display {
         back
     }
 
-    fn profile_field(&mut self, ui: &mut egui::Ui, fields: &mut ScreenFields, found: &Result<DisplayProfile, String>) {
+    fn profile_field(&mut self, ui: &mut egui::Ui, fields: &mut ScreenFields, found: Result<&DisplayProfile, &str>) {
         let browse = (FileKind::Toml, "Choose a profile…");
         let field = Field::new("Profile in use").hint("sRGB, assumed").width(300.0);
         field.path(ui, &mut fields.profile, &mut self.dialog, browse);

@@ -35,7 +35,7 @@ const MAX_SHOWN: usize = 3;
 
 #[derive(Default)]
 pub struct DefinitionForm {
-    draft: Draft,
+    pub draft: Draft,
     /// What was typed, by the key of the field. The draft may have it in a different form.
     typed: BTreeMap<String, String>,
     /// The text of the draft when it was opened.
@@ -43,12 +43,12 @@ pub struct DefinitionForm {
     /// The hash of what the definition said when it was opened.
     hash: Option<String>,
     /// The definition as it was when it last had no errors.
-    protocol: Option<Protocol>,
+    pub protocol: Option<Protocol>,
     /// Increases with each change.
-    revision: u64,
-    errors: Vec<FileError>,
+    pub revision: u64,
+    pub errors: Vec<FileError>,
     /// The indices of the errors that this frame has shown next to their fields.
-    shown: BTreeSet<usize>,
+    pub shown: BTreeSet<usize>,
     /// The labels of the fields, by their keys.
     labels: BTreeMap<String, String>,
     /// The dialog that chooses a folder of pictures.
@@ -83,15 +83,6 @@ impl DefinitionForm {
         Ok(form)
     }
 
-    /// Forgets which errors have been shown, so that a new frame can show them.
-    pub fn begin_frame(&mut self) {
-        self.shown.clear();
-    }
-
-    pub fn draft(&self) -> &Draft {
-        &self.draft
-    }
-
     /// Returns whether anything was changed since the definition was opened.
     pub fn is_changed(&self) -> bool {
         self.draft.text() != self.original
@@ -100,20 +91,6 @@ impl DefinitionForm {
     /// Returns whether the definition now says something else than when it was opened, apart from the plan.
     pub fn is_another_experiment(&self) -> bool {
         self.protocol.as_ref().map(definition::hash) != self.hash
-    }
-
-    /// Returns the definition as it was when it last had no errors.
-    pub fn protocol(&self) -> Option<&Protocol> {
-        self.protocol.as_ref()
-    }
-
-    /// Returns a number that changes with each edit.
-    pub fn revision(&self) -> u64 {
-        self.revision
-    }
-
-    pub fn errors(&self) -> &[FileError] {
-        &self.errors
     }
 
     /// Returns the parameters of the stimulus.
@@ -229,21 +206,21 @@ impl DefinitionForm {
     /// Draws a text field for a value, with its errors. `about` explains it.
     pub fn text(&mut self, ui: &mut Ui, label: &str, key: &str, default: &str, about: &str) {
         let width = (ui.available_width() - LABELS - 40.0).clamp(120.0, 420.0);
-        self.field(label, key, default, Typed::Text, about, |field, text| field.width(width).text(ui, text));
+        self.field([label, key, default, about], Typed::Text, None, |field, text| field.width(width).text(ui, text));
     }
 
     /// Draws a field for text that may have several lines, with its errors.
     pub fn lines(&mut self, ui: &mut Ui, label: &str, key: &str, default: &str, about: &str) {
         let width = (ui.available_width() - LABELS - 40.0).max(120.0);
-        self.field(label, key, default, Typed::Text, about, |field, text| {
+        self.field([label, key, default, about], Typed::Text, None, |field, text| {
             field.add(ui, TextEdit::multiline(text).id_salt(("field", label)).desired_rows(1).desired_width(width))
         });
     }
 
     /// Draws a field for a number, with its errors.
     pub fn number(&mut self, ui: &mut Ui, label: &str, key: &str, default: impl ToString, about: &str) {
-        let default = default.to_string();
-        self.field(label, key, &default, Typed::Value, about, |field, text| field.width(NUMBER).text(ui, text));
+        let field = [label, key, &default.to_string(), about];
+        self.field(field, Typed::Value, None, |field, text| field.width(NUMBER).text(ui, text));
     }
 
     /// Draws a list of values to choose from, with the errors of the chosen one; returns a value that was just chosen.
@@ -268,24 +245,17 @@ impl DefinitionForm {
     /// what that means.
     pub fn list(&mut self, ui: &mut Ui, label: &str, key: &str, [default, absent]: [&str; 2], about: &str) {
         let width = (ui.available_width() - LABELS - 40.0).clamp(120.0, 420.0);
-        self.field(label, key, default, Typed::Values, about, |field, text| {
+        self.field([label, key, default, about], Typed::Values, Some(key), |field, text| {
             let edit = TextEdit::multiline(text).id_salt(("field", label)).desired_rows(1).hint_text(absent);
             field.add(ui, edit.desired_width(width).return_key(None))
         });
-        if self.typed.get(key).is_some_and(|text| text.trim().is_empty()) && self.draft.get(key).is_some() {
-            self.edit(|draft| draft.remove(key));
-        }
     }
 
     /// Draws a field for a number that can be absent; `absent` says what that means, and `owner` is then removed.
     pub fn optional(&mut self, ui: &mut Ui, label: &str, [key, owner]: [&str; 2], absent: &str, about: &str) {
-        self.field(label, key, "", Typed::Value, about, |field, text| {
+        self.field([label, key, "", about], Typed::Value, Some(owner), |field, text| {
             field.width(OPTIONAL).hint(absent).text(ui, text)
         });
-        if self.typed.get(key).is_some_and(|text| text.trim().is_empty()) {
-            self.typed.remove(key);
-            self.edit(|draft| draft.remove(owner));
-        }
     }
 
     /// Draws a row for each value of a table of parameters, with its errors and a button that removes it; returns the name
@@ -295,11 +265,11 @@ impl DefinitionForm {
         for name in self.draft.keys(table) {
             let key = format!("{table}.{name}");
             let parameter = self.parameters().iter().find(|parameter| parameter.name == name);
-            let about = parameter.map_or_else(String::new, |p| format!("{}: {}", p.description, p.expected));
+            let about = parameter.map_or("", |parameter| parameter.description);
             let words = names::factor(Some(self.parameters()), &name);
             let label = if removed.is_empty() { self.factor(&name) } else { format!("{field}{words}") };
             let (mut text, error) = (self.value(&key, ""), self.error(&key));
-            let line = |ui: &mut Ui, of: Id| {
+            let mut line = |ui: &mut Ui, of: Id| {
                 let width = (ui.available_width() - 100.0).clamp(120.0, 300.0);
                 // A long list wraps.
                 let edit = TextEdit::multiline(&mut text).id_salt(&key).desired_rows(1).desired_width(width);
@@ -326,19 +296,22 @@ impl DefinitionForm {
         to_remove
     }
 
+    /// Draws a field. If nothing is typed in it, `owner` is removed, if there is one.
     fn field(
         &mut self,
-        label: &str,
-        key: &str,
-        default: &str,
+        [label, key, default, about]: [&str; 4],
         typed: Typed,
-        about: &str,
+        owner: Option<&str>,
         draw: impl FnOnce(Field<'_>, &mut String) -> Response,
     ) {
         self.name(key, label);
         let mut text = self.value(key, default);
         let response = draw(Field::new(label).column(LABELS).slot().error(&self.error(key)), &mut text);
-        if response.on_hover_text(about).changed() {
+        if !response.on_hover_text(about).changed() {
+        } else if let Some(owner) = owner.filter(|_| text.trim().is_empty()) {
+            self.keep_typed(key, "");
+            self.edit(|draft| draft.remove(owner));
+        } else {
             self.type_value(key, &text, typed);
         }
     }

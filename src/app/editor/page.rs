@@ -52,8 +52,9 @@ pub struct Editor {
     preview: Preview,
     thumbnails: Thumbnails,
     fonts: TextFonts,
-    /// The part of the form to scroll to.
+    /// The part of the form to scroll to, and whether the form has been drawn.
     wanted: Option<usize>,
+    is_shown: bool,
     /// Whether the user is being asked to discard the changes.
     leaving: bool,
 }
@@ -73,7 +74,7 @@ impl Editor {
         Ok(Self {
             of: name_or_path.to_owned(),
             sessions,
-            before: (definition::text(path)?.into_owned(), form.draft().get("name")),
+            before: (definition::text(path)?.into_owned(), form.draft.get("name")),
             form,
             folder: folder.display().to_string(),
             ..Self::default()
@@ -93,7 +94,7 @@ impl Editor {
         let escaped = ui::escaped(ui);
         let action = if self.sessions.is_none() { "Duplicate" } else { "Edit" };
         let heading = format!("{action} {}", Path::new(&self.of).file_stem().unwrap_or_default().display());
-        self.fonts.find(ui.ctx(), [self.form.draft().text().as_str()]);
+        self.fonts.find(ui.ctx(), [self.form.draft.text().as_str()]);
         let frame = Frame::NONE.inner_margin(theme::LARGE_GAP);
         let (mut back, mut saved) = (false, None);
         if ui.available_width() < NARROW {
@@ -142,13 +143,14 @@ impl Editor {
         Step::back_if(self.leaving && self.discards(ui.ctx()))
     }
 
-    /// Returns the scrolling room of the form. It begins at its top for each definition.
-    fn scrolled(&self) -> ScrollArea {
-        ScrollArea::vertical().id_salt(&self.of).auto_shrink(false)
+    /// Returns the scrolling room of the form, which begins at its top.
+    fn scrolled(&mut self) -> ScrollArea {
+        let area = ScrollArea::vertical().id_salt("form").auto_shrink(false);
+        if std::mem::replace(&mut self.is_shown, true) { area } else { area.vertical_scroll_offset(0.0) }
     }
 
     fn fields(&mut self, ui: &mut Ui) {
-        self.form.begin_frame();
+        self.form.shown.clear();
         if let Some(n) = self.sessions.filter(|n| *n > 0) {
             let sessions = if n == 1 { "1 session was".to_owned() } else { format!("{n} sessions were") };
             ui::note(
@@ -165,8 +167,8 @@ impl Editor {
     /// Draws the number of trials, the errors that no field shows, and the button that saves; returns the saved
     /// file.
     fn summary(&mut self, ui: &mut Ui) -> Option<Saved> {
-        let is_stale = !self.form.errors().is_empty();
-        if let Some(protocol) = self.form.protocol() {
+        let is_stale = !self.form.errors.is_empty();
+        if let Some(protocol) = self.form.protocol.as_ref() {
             ui.scope(|ui| {
                 if is_stale {
                     ui.multiply_opacity(theme::STALE);
@@ -184,14 +186,14 @@ impl Editor {
         let path = self.place();
         let form = &mut self.form;
         let is_frozen = self.sessions.is_some_and(|n| n > 0) && form.is_another_experiment();
-        let valid = form.errors().is_empty() && !is_frozen;
+        let valid = form.errors.is_empty() && !is_frozen;
         let clicked = ui.horizontal(|ui| {
             let clicked = ui::neutral_primary(ui, "Save", valid, "");
-            match form.errors() {
+            match form.errors.as_slice() {
                 [] if is_frozen => ui::note(ui, "Only the plan may change while there are sessions."),
                 [] => ui::hint(ui, format!("as {}", path.display())),
                 [first, ..] => {
-                    let count = count(form.errors().len() as u64, "error");
+                    let count = count(form.errors.len() as u64, "error");
                     ui::show_error(ui, format!("{count}, first in {}.", form.label(first)));
                 }
             }
@@ -199,7 +201,7 @@ impl Editor {
         });
         let saves = clicked.inner || valid && ui.input_mut(|input| input.consume_shortcut(&SAVE));
         let edited = self.sessions.map(|_| (Path::new(&self.of), self.before.0.as_str()));
-        match saves.then(|| definition::save(edited, &path, &form.draft().text())) {
+        match saves.then(|| definition::save(edited, &path, &form.draft.text())) {
             Some(Ok(())) => {
                 let is_renamed = edited.is_some_and(|(of, _)| of != path);
                 return Some(Saved { path, renamed: is_renamed.then(|| self.of.clone()) });
@@ -221,7 +223,7 @@ impl Editor {
 
     /// Returns where the definition is saved. A file that has the name of its experiment is renamed with it.
     fn place(&self) -> PathBuf {
-        let (of, draft) = (Path::new(&self.of), self.form.draft());
+        let (of, draft) = (Path::new(&self.of), &self.form.draft);
         let name = draft.get("name").unwrap_or_default();
         if self.sessions.is_none() {
             return draft.folder.join(format!("{name}.toml"));
@@ -232,14 +234,14 @@ impl Editor {
 
     fn conditions(&mut self, ui: &mut Ui) {
         let form = &self.form;
-        let Some(protocol) = form.protocol() else { return };
-        let is_stale = !form.errors().is_empty();
+        let Some(protocol) = form.protocol.as_ref() else { return };
+        let is_stale = !form.errors.is_empty();
         if is_stale {
             ui.multiply_opacity(theme::STALE);
         }
         let when = if is_stale { ", before the errors" } else { "" };
-        self.preview.show(ui, protocol, form.revision(), when);
-        self.thumbnails.show(ui, protocol, form.revision(), when);
+        self.preview.show(ui, protocol, form.revision, when);
+        self.thumbnails.show(ui, protocol, form.revision, when);
     }
 
     /// Asks whether to discard the changes; returns whether the user agreed.

@@ -218,14 +218,7 @@ impl Thumbnail {
             ui.set_width(THUMBNAIL);
             ui.spacing_mut().item_spacing.y = 2.0;
             self.picture(ui, THUMBNAIL);
-            // One after the other, so that no line begins with a space.
-            ui.horizontal_wrapped(|ui| {
-                ui.spacing_mut().item_spacing.x = theme::SMALL_GAP;
-                for (index, level) in self.levels.iter().enumerate() {
-                    let end = if index + 1 < self.levels.len() { ";" } else { "" };
-                    ui.label(ui::secondary(format!("{level}{end}")));
-                }
-            });
+            ui::hint(ui, self.levels.join("; "));
         });
     }
 

@@ -10,8 +10,10 @@ use super::{
 };
 use crate::{
     app::ui::{self, Field, FileKind, theme::Icon},
-    experiment::{Design, FieldSpec, ParticipantField, ParticipantFields, Recovery, Texts, ViewingPlan},
-    report::names::{self, capitalized},
+    experiment::{
+        Design, FieldSpec, ParticipantField, ParticipantFields, Plan, Recovery, SessionRules, Texts, ViewingPlan,
+    },
+    report::names::capitalized,
     stimulus::{
         KINDS, Stimulus, catalog,
         picture::{Picture, PictureSize, ShownAs},
@@ -28,21 +30,22 @@ pub const PARTS: [(&str, Part); 10] = [
     ("Task", task::show),
     ("Stimulus", stimulus),
     ("Factors", factors),
-    ("Trials", design),
+    ("Trials", |form, ui| task::options(form, ui, "design", Design::OPTIONS, &Design::default())),
     ("Timing", timing),
-    ("Viewing", viewing),
+    ("Viewing", |form, ui| task::options(form, ui, "viewing", ViewingPlan::OPTIONS, &ViewingPlan::default())),
     ("Participant", participant),
-    ("Session", session),
+    ("Session and plan", session),
     ("Texts", texts),
 ];
 
 /// Draws all fields, and scrolls to a part.
 pub fn show(form: &mut DefinitionForm, ui: &mut Ui, wanted: Option<usize>) {
-    for (i, (_, part)) in PARTS.iter().enumerate() {
+    for (i, (name, part)) in PARTS.iter().enumerate() {
         if wanted == Some(i) {
             let top = ui.cursor().min;
             ui.scroll_to_rect(Rect::from_min_size(top, Vec2::ZERO), Some(Align::TOP));
         }
+        ui::section(ui, *name);
         part(form, ui);
     }
 }
@@ -53,7 +56,6 @@ fn study(form: &mut DefinitionForm, ui: &mut Ui) {
 }
 
 fn stimulus(form: &mut DefinitionForm, ui: &mut Ui) {
-    ui::section(ui, "Stimulus");
     let title = |kind: &str| match catalog::entry(kind) {
         Some(entry) => entry.title.to_owned(),
         None if kind == Picture::KIND => "Pictures of your own".to_owned(),
@@ -72,7 +74,7 @@ fn stimulus(form: &mut DefinitionForm, ui: &mut Ui) {
         ui::hint(ui, entry.about);
     }
     ui::text::errors(ui, &form.own_error("stimulus"));
-    let factors = form.draft().factors();
+    let factors = form.draft.factors();
     let adapted = ["adaptive.parameter", "adaptive.second.parameter"].map(|key| form.value(key, ""));
     for parameter in default.parameters() {
         let varied_by = [("Factors", &factors[..]), ("Method", &adapted)];
@@ -85,11 +87,10 @@ fn stimulus(form: &mut DefinitionForm, ui: &mut Ui) {
         let key = format!("stimulus.{}", parameter.name);
         let before = form.value(&key, &default.get(parameter.name).map_or_else(String::new, |value| value.to_string()));
         let mut text = before.clone();
-        ui::parameter(ui, LABELS, parameter, &mut text);
+        ui::parameter(ui, LABELS, parameter, &mut text, Some(&form.error(&key)));
         if text != before {
             form.type_value(&key, &text, Typed::Value);
         }
-        ui::text::errors(ui, &form.error(&key));
     }
 }
 
@@ -99,12 +100,12 @@ fn pictures(form: &mut DefinitionForm, ui: &mut Ui) {
     Field::new("").column(LABELS).show(ui, |ui, _| {
         let mut folder = String::new();
         if form.pictures.browse(ui, FileKind::Folder, "Choose a folder of pictures…", &mut folder) {
-            let beside = Path::new(&folder).strip_prefix(&form.draft().folder).unwrap_or(Path::new(&folder));
+            let beside = Path::new(&folder).strip_prefix(&form.draft.folder).unwrap_or(Path::new(&folder));
             form.type_value("stimulus.files", &beside.join("*.png").display().to_string(), Typed::Text);
         }
     });
-    let is_wrong = form.errors().iter().any(|error| error.key.starts_with("stimulus"));
-    let protocol = form.protocol().filter(|_| !is_wrong);
+    let is_wrong = form.errors.iter().any(|error| error.key.starts_with("stimulus"));
+    let protocol = form.protocol.as_ref().filter(|_| !is_wrong);
     if let Some(Stimulus::Image(picture)) = protocol.map(|protocol| &protocol.stimulus) {
         let (count, factors) = (picture.gallery.pictures.len(), &picture.gallery.factors);
         let levels = if factors.is_empty() { "they have no other levels".to_owned() } else { factors.join(", ") };
@@ -133,10 +134,9 @@ fn pictures(form: &mut DefinitionForm, ui: &mut Ui) {
 
 fn factors(form: &mut DefinitionForm, ui: &mut Ui) {
     let has_pictures = form.value("stimulus.kind", "") == Picture::KIND;
-    if has_pictures && form.draft().factors().is_empty() {
-        return;
+    if has_pictures && form.draft.factors().is_empty() {
+        return ui::hint(ui, "The table pictures.csv gives pictures the levels of factors.");
     }
-    ui::section(ui, "Factors");
     ui::hint(ui, "Every combination of their levels is a condition. Separate levels with commas: 0.02, 0.05, 0.1");
     ui::text::errors(ui, &form.own_error("factors"));
     if let Some(name) = form.rows(ui, "factors", ["Levels of ", ""], Typed::Values) {
@@ -151,64 +151,17 @@ fn factors(form: &mut DefinitionForm, ui: &mut Ui) {
     }
 }
 
-fn design(form: &mut DefinitionForm, ui: &mut Ui) {
-    ui::section(ui, "Trials");
-    let default = Design::default();
-    form.number(ui, "Repetitions", "design.repetitions", default.repetitions, "Main trials for each condition.");
-    let about = "Practice trials before the main part; they are recorded, but not analyzed.";
-    form.number(ui, "Practice", "design.practice", default.practice, about);
-    let about = "Main trials between two breaks; 0 for no breaks.";
-    form.number(ui, "Break every", "design.break_every", default.break_every, about);
-    order(form, ui);
-    let about = "At most this many consecutive trials with the same level of a factor.";
-    form.optional(ui, "Longest run", ["design.max_run"; 2], "any length", about);
-}
-
-fn order(form: &mut DefinitionForm, ui: &mut Ui) {
-    let known = Some(form.parameters());
-    let of_factor = |factor: String| ["blocked", "latin"].map(|kind| format!("{kind}:{factor}"));
-    let orders: Vec<String> =
-        ["random".to_owned()].into_iter().chain(form.draft().factors().into_iter().flat_map(of_factor)).collect();
-    let title = |order: &str| match order.split_once(':') {
-        Some(("blocked", factor)) => format!("Blocks by {}, random", names::factor(known, factor)),
-        Some(("latin", factor)) => format!("Blocks by {}, Latin square", names::factor(known, factor)),
-        _ => capitalized(order),
-    };
-    let about = "Random: all trials shuffled together. Blocks: one for each level of a factor, in random order or, as in a \
-        Latin square, counterbalanced across participants.";
-    let default = Design::default().order.to_string();
-    let field = ["Order", "design.order", &default, about];
-    if let Some(chosen) = form.choice(ui, field, orders.iter().map(String::as_str), title) {
-        form.type_value("design.order", &chosen, Typed::Text);
-    }
-}
-
 fn timing(form: &mut DefinitionForm, ui: &mut Ui) {
-    ui::section(ui, "Timing");
-    let default = Recovery::default();
-    let about = "Duration of the uniform field between two stimuli.";
-    form.number(ui, "Recovery, s", "recovery.duration_s", default.duration_s, about);
-    let about = "Relative luminance of the uniform field, from 0 to 1, in linear light.";
-    form.number(ui, "Recovery level", "recovery.level", default.level, about);
+    task::options(form, ui, "recovery", Recovery::OPTIONS, &Recovery::default());
     let about = "Duration of each stimulus. The uniform field follows until it is rated.";
     form.optional(ui, "Stimulus, s", ["presentation.duration_s", "presentation"], "until it is rated", about);
 }
 
-fn viewing(form: &mut DefinitionForm, ui: &mut Ui) {
-    ui::section(ui, "Viewing");
-    let default = ViewingPlan::default();
-    let about = "Planned distance from the eye to the screen.";
-    form.number(ui, "Distance, cm", "viewing.distance_cm", default.distance_cm, about);
-    let about = "Side of the square stimulus, in degrees of visual angle.";
-    form.number(ui, "Stimulus size, °", "viewing.window_deg", default.window_deg, about);
-}
-
 /// What a session asks about the participant.
 fn participant(form: &mut DefinitionForm, ui: &mut Ui) {
-    ui::section(ui, "Participant");
     ui::hint(ui, "What a session asks before its first page. Answers to choose from are separated by commas.");
     ui::text::errors(ui, &form.own_error("participant"));
-    let names = form.draft().keys("participant");
+    let names = form.draft.keys("participant");
     for place in 0..names.len() {
         question(form, ui, &names, place);
     }
@@ -237,7 +190,7 @@ fn question(form: &mut DefinitionForm, ui: &mut Ui, names: &[String], place: usi
     let is_known = |name: &str| ParticipantFields::known_names().any(|known| known == name);
     let own = !is_known(name);
     let shown = if own { format!("Question {}", place + 1) } else { capitalized(name) };
-    let draft = form.draft();
+    let draft = &form.draft;
     let spec =
         FieldSpec { choices: draft.texts(&format!("{key}.choices")).unwrap_or_default(), ..FieldSpec::default() };
     let asked = ParticipantField { name: name.clone(), spec };
@@ -324,23 +277,11 @@ fn line(form: &mut DefinitionForm, ui: &mut Ui, name: &str, key: &str, typed: Ty
 }
 
 fn session(form: &mut DefinitionForm, ui: &mut Ui) {
-    ui::section(ui, "Session and plan");
-    let about = "How many people are to take part. The plan may change while a study runs.";
-    form.optional(ui, "Participants", ["plan.participants"; 2], "not planned", about);
-    form.number(ui, "Sessions each", "plan.sessions", 1, "How many sessions each participant attends.");
-    let mut own_means = form.draft().get("session.own_means").as_deref() == Some("true");
-    Field::new("Last page").column(LABELS).show(ui, |ui, _| {
-        let about = "Someone who has seen their own means may rate differently in the next session.";
-        if ui.checkbox(&mut own_means, "shows participants their own mean ratings").on_hover_text(about).changed() {
-            form.edit(|draft| draft.set_flag("session.own_means", own_means));
-        }
-    });
-    let about = "An interrupted session that is resumed later shows the instructions and the practice again.";
-    form.optional(ui, "Practice again after, h", ["session.refresh_after_h"; 2], "never", about);
+    task::options(form, ui, "plan", Plan::OPTIONS, &Plan::default());
+    task::options(form, ui, "session", SessionRules::OPTIONS, &SessionRules::default());
 }
 
 fn texts(form: &mut DefinitionForm, ui: &mut Ui) {
-    ui.add_space(6.0);
     ui::folded(ui, CollapsingHeader::new("What participants read"), |ui| {
         ui::hint(ui, "In the participants' language. The program fills in the words in braces.");
         for [name, about, default] in Texts::ALL {

@@ -2,6 +2,8 @@
 
 use eframe::egui::{FontId, Rect, Response, Role, Sense, Stroke, StrokeKind, TextEdit, Ui, Vec2, WidgetInfo, vec2};
 
+use serde::Serialize;
+
 use super::form::{DefinitionForm, LABELS, add};
 use crate::{
     app::ui::{
@@ -9,10 +11,10 @@ use crate::{
         theme::{self, Icon},
     },
     experiment::{
-        CATEGORIES, ResponseScale, default_key,
+        CATEGORIES,
         task::{Adaptive, Common, Defaults, Method, OptionValue, Task, TaskOption, typed},
     },
-    report::names::capitalized,
+    report::names::{self, capitalized},
     stimulus::{Parameter, Stimulus},
     store::draft::{Draft, Typed},
 };
@@ -29,18 +31,17 @@ const AT_EACH_LEVEL: usize = 10;
 
 /// Draws the fields.
 pub fn show(form: &mut DefinitionForm, ui: &mut Ui) {
-    ui::section(ui, "Task");
     let kind = form.value("task.kind", Task::default().name());
     cards(form, ui, &kind);
     let error = [form.own_error("task"), form.error("task.kind")].join("\n");
     ui::text::errors(ui, error.trim());
     let Some(default) = Task::read(&kind, &mut Defaults) else { return };
-    options(form, ui, "task", Task::options(&kind), &serde_json::to_value(&default).unwrap_or_default());
-    if !form.draft().keys("task").is_empty() && form.draft().get("task.kind").is_none() {
+    options(form, ui, "task", Task::options(&kind), &default);
+    if !form.draft.keys("task").is_empty() && form.draft.get("task.kind").is_none() {
         form.edit(|draft| draft.set("task.kind", &kind, Typed::Text));
     }
     // The options decide the usual question and answers, and whether levels can be chosen.
-    let task = form.protocol().map(|protocol| protocol.task.clone()).filter(|task| task.name() == kind);
+    let task = form.protocol.as_ref().map(|protocol| protocol.task.clone()).filter(|task| task.name() == kind);
     let task = task.unwrap_or(default);
     if task.adapts() {
         method(form, ui);
@@ -120,14 +121,14 @@ fn method(form: &mut DefinitionForm, ui: &mut Ui) {
         NONE => "The factors alone".to_owned(),
         name => capitalized(&parameter::method(name)),
     };
-    let default = |form: &DefinitionForm| match form.draft().keys("adaptive").as_slice() {
+    let default = |form: &DefinitionForm| match form.draft.keys("adaptive").as_slice() {
         [] => NONE,
         _ => Method::default().name(),
     };
     let field = ["Levels chosen by", "adaptive.method", default(form), "How the level of each trial is found."];
     if let Some(chosen) = form.choice(ui, field, [NONE].into_iter().chain(Method::NAMES.iter().copied()), title) {
         let method = (chosen != NONE).then_some(chosen.as_str());
-        let found = varied(form).filter(|_| form.draft().get("adaptive.parameter").is_none());
+        let found = varied(form).filter(|_| form.draft.get("adaptive.parameter").is_none());
         form.rebuild(|draft| {
             draft.set_method(method);
             if let (Some(method), Some((parameter, levels))) = (method, found) {
@@ -144,10 +145,8 @@ fn method(form: &mut DefinitionForm, ui: &mut Ui) {
     }
     ui::text::errors(ui, &form.own_error("adaptive"));
     let Some(method) = Method::read(&chosen, &mut Defaults) else { return };
-    let defaults = Adaptive { method, ..Adaptive::default() };
-    let defaults = serde_json::to_value(&defaults).unwrap_or_default();
     let all: Vec<TaskOption> = Common::OPTIONS.iter().chain(Method::options(&chosen)).copied().collect();
-    options(form, ui, "adaptive", &all, &defaults);
+    options(form, ui, "adaptive", &all, &Adaptive { method, ..Adaptive::default() });
 }
 
 /// Returns the first parameter with several suggested numbers that no factor varies, with these numbers.
@@ -186,14 +185,15 @@ fn set_ends(draft: &mut Draft, table: &str, levels: &[f64]) {
     }
 }
 
-/// Draws the options of a table.
-fn options(form: &mut DefinitionForm, ui: &mut Ui, table: &str, options: &[TaskOption], defaults: &serde_json::Value) {
+/// Draws the options of a table, with their values where the definition does not say them.
+pub fn options(form: &mut DefinitionForm, ui: &mut Ui, table: &str, options: &[TaskOption], defaults: &impl Serialize) {
+    let defaults = serde_json::to_value(defaults).unwrap_or_default();
     let at_once = table == "task" && form.value("task.shown", "") == "places";
     let opened = |option: &TaskOption| option.key.split_once('.').map(|(inner, _)| inner);
     for (i, option) in options.iter().enumerate() {
         let opens = opened(option).is_some_and(|inner| options[..i].iter().all(|before| opened(before) != Some(inner)));
         if let Some(inner) = opened(option).filter(|_| !opens)
-            && form.draft().keys(&format!("{table}.{inner}")).is_empty()
+            && form.draft.keys(&format!("{table}.{inner}")).is_empty()
         {
             continue;
         }
@@ -201,7 +201,7 @@ fn options(form: &mut DefinitionForm, ui: &mut Ui, table: &str, options: &[TaskO
         let owner = if opens { opened(option).unwrap_or(option.key) } else { option.key };
         let keys = [&format!("{table}.{}", option.key), &format!("{table}.{owner}")];
         if !(at_once && OF_INTERVALS.contains(&option.key)) {
-            control(form, ui, option, keys.map(String::as_str), defaults);
+            control(form, ui, option, keys.map(String::as_str), &defaults);
         }
     }
 }
@@ -231,16 +231,24 @@ fn control(
                 form.edit(|draft| draft.set_flag(key, flag));
             }
         }
-        OptionValue::OneOf(_) | OptionValue::Parameter(_) | OptionValue::Factor => {
+        OptionValue::OneOf(_) | OptionValue::Parameter(_) | OptionValue::Factor | OptionValue::Order => {
             let none = matches!(value, OptionValue::Parameter(true) | OptionValue::Factor).then_some(NONE);
-            let (parameters, factors) = (form.parameters(), form.draft().factors());
+            let (parameters, factors) = (form.parameters(), form.draft.factors());
+            let of_factor = |factor: &String| ["blocked", "latin"].map(|kind| format!("{kind}:{factor}"));
+            let orders: Vec<String> = factors.iter().flat_map(of_factor).collect();
             let names: Vec<&str> = match value {
                 OptionValue::OneOf(names) => names.to_vec(),
+                OptionValue::Order => ["random"].into_iter().chain(orders.iter().map(String::as_str)).collect(),
                 OptionValue::Factor => factors.iter().map(String::as_str).collect(),
                 _ => form.free_parameters().map(|parameter| parameter.name).collect(),
             };
             let field = [label, key, none.unwrap_or(&default), about];
-            let title = |name: &str| parameter::label(parameters, name);
+            let title = |name: &str| match name.split_once(':') {
+                Some(("blocked", factor)) => format!("Blocks by {}, random", names::factor(Some(parameters), factor)),
+                Some((_, factor)) => format!("Blocks by {}, Latin square", names::factor(Some(parameters), factor)),
+                None if value == OptionValue::Order => capitalized(name),
+                None => parameter::label(parameters, name),
+            };
             match form.choice(ui, field, none.into_iter().chain(names), title).as_deref() {
                 None => {}
                 Some(NONE) => form.rebuild(|draft| draft.remove(owner)),
@@ -255,7 +263,7 @@ fn control(
 fn settings(form: &mut DefinitionForm, ui: &mut Ui, option: &TaskOption, key: &str) {
     let prefix = format!("{} ", option.label);
     let removed = form.rows(ui, key, [&prefix, &prefix], Typed::Value);
-    let names = form.draft().keys(key);
+    let names = form.draft.keys(key);
     if let Some(name) = removed {
         let gone = if names.len() == 1 { key.to_owned() } else { format!("{key}.{name}") };
         form.rebuild(|draft| draft.remove(&gone));
@@ -273,7 +281,7 @@ fn settings(form: &mut DefinitionForm, ui: &mut Ui, option: &TaskOption, key: &s
         let name = parameter.name;
         let default = Stimulus::default_of(&form.value("stimulus.kind", "")).and_then(|default| default.get(name));
         let now = form.value(&format!("stimulus.{name}"), &default.map_or(String::new(), |value| value.to_string()));
-        let levels = form.draft().texts(&format!("factors.{name}")).unwrap_or_default();
+        let levels = form.draft.texts(&format!("factors.{name}")).unwrap_or_default();
         // A value that differs from those of the target.
         let differs = |level: &&&str| **level != now && !levels.iter().any(|own| own == **level);
         let value = parameter.levels_hint.iter().rev().find(differs).map_or(now.as_str(), |level| level);
@@ -289,19 +297,15 @@ fn settings(form: &mut DefinitionForm, ui: &mut Ui, option: &TaskOption, key: &s
 /// Draws the question and the answers.
 fn answers(form: &mut DefinitionForm, ui: &mut Ui, task: &Task) {
     ui::section(ui, "Answers");
-    let ResponseScale { question, categories } = task.scale();
-    form.text(ui, "Question", "response.question", &question, "Shown next to the scale.");
-    let mut labels = form.draft().texts("response.labels").unwrap_or_default();
-    let mut keys = form.draft().texts("response.keys").unwrap_or_default();
+    let scale = task.scale();
+    form.text(ui, "Question", "response.question", &scale.question, "Shown next to the scale.");
     // A definition without labels or keys uses the defaults.
-    let own: Vec<String> = categories.iter().map(|category| category.key.into()).collect();
-    if labels.is_empty() {
-        labels = categories.into_iter().map(|category| category.label).collect();
-    }
+    let labels = || scale.categories.iter().map(|category| category.label.clone()).collect();
+    let mut labels = form.draft.texts("response.labels").filter(|own| !own.is_empty()).unwrap_or_else(labels);
+    let mut keys = form.draft.texts("response.keys").unwrap_or_default();
     let has_keys = task.dial().is_none();
-    let default = |answer: usize| own.get(answer).cloned().filter(|_| own.len() == labels.len());
-    let default = |answer| default(answer).or_else(|| default_key(answer).map(String::from)).unwrap_or_default();
     keys.truncate(labels.len());
+    let default = |answer| scale.default_key(answer, labels.len()).map(String::from).unwrap_or_default();
     keys.extend((keys.len()..labels.len()).map(default));
     // Ratings are counted from 0, as in the data.
     let named = |answer: usize| match (has_keys, answer) {

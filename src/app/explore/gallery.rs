@@ -19,7 +19,7 @@ use crate::{
         Parameter, ParameterError, ParameterValue, Stimulus, ViewingConditions, Visible, catalog, place, recipe::Recipe,
     },
     store,
-    vision::RampBands,
+    vision::{RampBands, VisionError},
     work,
 };
 
@@ -52,14 +52,12 @@ pub struct Gallery {
     settings: Choices,
     faults: Faults,
     history: History<Choices>,
-    /// Whether the size has been chosen, so that the image and its plot fit the window.
-    is_fitted: bool,
     shown: Option<Shown>,
     out: String,
     saving: Saving,
     display: DisplayProfile,
-    distance_cm: Option<f64>,
-    prediction: Prediction,
+    place: ViewingPlace,
+    predicted: Latest<Key, Predicted>,
     /// The pictures of all kinds, by their side in pixels.
     tiles: Drawn<u32>,
 }
@@ -122,7 +120,10 @@ impl Choices {
         for (parameter, text) in stimulus.parameters().iter().zip(&self.values[self.entry]) {
             let value: ParameterValue = text.parse().unwrap_or_else(|never| match never {});
             if let Err(ParameterError { value, problem, expected, .. }) = stimulus.set(parameter.name, &value) {
-                errors.push((Some(parameter.name), format!("{value} {problem}. Enter {expected}.")));
+                errors.push((
+                    Some(parameter.name),
+                    format!("{}: {value} {problem}. Enter {expected}.", parameter.label()),
+                ));
             }
         }
         if errors.is_empty()
@@ -138,16 +139,15 @@ impl Default for Gallery {
     fn default() -> Self {
         let (settings, display) = (Choices::new(SIZES[0]), DisplayProfile::default());
         Self {
-            prediction: Prediction::new(ViewingPlace::new(&display, None)),
+            place: ViewingPlace::new(&display, None),
+            predicted: Latest::default(),
             history: History::new(settings.clone()),
             settings,
             faults: Faults::new(),
-            is_fitted: false,
             shown: None,
             out: "stimulus.png".to_owned(),
             saving: Saving::default(),
             display,
-            distance_cm: None,
             tiles: Drawn::default(),
         }
     }
@@ -156,10 +156,9 @@ impl Default for Gallery {
 impl Gallery {
     /// Chooses the largest size with which the image and its plot fit the window, once.
     fn fit(&mut self, ui: &Ui) {
-        if self.is_fitted {
+        if self.shown.is_some() {
             return;
         }
-        self.is_fitted = true;
         let room = (ui.available_height() - 2.0 * theme::LARGE_GAP - TEXTS - PLOT - TILE) * ui.ctx().pixels_per_point();
         let size = SIZES.iter().rev().find(|size| **size as f32 <= room).unwrap_or(&SIZES[0]);
         self.settings.size = *size;
@@ -169,12 +168,9 @@ impl Gallery {
     /// Draws the page for a screen viewed from `distance_cm` centimeters, if that is known; returns whether the user left
     /// it.
     pub fn show(&mut self, ui: &mut Ui, display: &DisplayProfile, distance_cm: Option<f64>) -> bool {
-        if self.display != *display || self.distance_cm != distance_cm {
-            (self.display, self.distance_cm) = (display.clone(), distance_cm);
-            self.prediction = Prediction::new(ViewingPlace::new(display, distance_cm));
-        }
-        // Escape first answers the question whether to replace a file.
-        let escaped = ui::escaped(ui) && !self.saving.cancel();
+        self.display.clone_from(display);
+        self.place = ViewingPlace::new(display, distance_cm);
+        let escaped = ui::escaped(ui);
         self.fit(ui);
         let stimulus = self.settings.stimulus();
         if let Ok(stimulus) = &stimulus {
@@ -207,7 +203,13 @@ impl Gallery {
             display_sha256: self.display.measured.is_some().then(|| store::profile::hash(&self.display)),
         };
         if self.settings.kind().has_bands {
-            self.prediction.refresh(ctx, stimulus, recipe.size);
+            let key = (stimulus.clone(), recipe.size, self.place);
+            if !stimulus.is_line() {
+                self.predicted.want(ctx, key.clone(), || move || Predicted::of(&key));
+            } else if self.predicted.get(&key).is_none() {
+                let predicted = Predicted::of(&key);
+                self.predicted.put(key, predicted);
+            }
         }
         if self.shown.as_ref().is_some_and(|shown| shown.recipe == recipe) {
             return;
@@ -221,23 +223,22 @@ impl Gallery {
 
     /// Draws all settings.
     fn controls(&mut self, ui: &mut Ui) {
-        let entries: Vec<usize> = (0..catalog::all().len()).collect();
-        let kind = Field::new("Stimulus").column(LABELS);
-        kind.choice(ui, &mut self.settings.entry, &entries, |i| catalog::all()[*i].title.to_owned());
+        ui::section(ui, self.settings.kind().title);
         let initial = self.settings.reset();
         self.history.show(ui, &mut self.settings, initial);
         ui::hint(ui, self.settings.kind().about);
         ui.add_space(theme::SMALL_GAP);
-        let show = |ui: &mut Ui, name: Option<&str>| {
-            self.faults.iter().filter(|(of, _)| *of == name).for_each(|(_, error)| ui::show_error(ui, error));
-        };
         let Choices { entry, values, size, dither } = &mut self.settings;
         let parameters = catalog::all()[*entry].default_stimulus().parameters();
         for (parameter, text) in parameters.iter().zip(&mut values[*entry]) {
-            ui::parameter(ui, LABELS, parameter, text);
-            show(ui, Some(parameter.name));
+            let is_wrong = self.faults.iter().any(|(of, _)| *of == Some(parameter.name));
+            ui.scope(|ui| {
+                if is_wrong {
+                    theme::outline_wrong(ui);
+                }
+                ui::parameter(ui, LABELS, parameter, text, None);
+            });
         }
-        show(ui, None);
         ui.add_space(theme::SMALL_GAP);
         let dithers: Vec<Dither> = DITHERS.iter().filter_map(|name| name.parse().ok()).collect();
         Field::new("Size, px")
@@ -252,7 +253,11 @@ impl Gallery {
 
     fn export(&mut self, ui: &mut Ui) {
         let Some(shown) = &self.shown else { return };
-        ui::hint(ui, format!("Display: {}.", self.display.sentence()));
+        // Below a control, an error would shift the others.
+        match self.faults.is_empty() {
+            true => ui::hint(ui, format!("Display: {}.", self.display.sentence())),
+            false => self.faults.iter().for_each(|(_, error)| ui::show_error(ui, error)),
+        }
         let field = Field::new("Export to").column(LABELS).width(ui.available_width() - LABELS - theme::GAP);
         let field = field.text(ui, &mut self.out).on_hover_text(
             "The ending chooses the format: .png for the image, .csv for the light along its orientation.",
@@ -323,23 +328,18 @@ impl Gallery {
         let Some(shown) = &self.shown else { return };
         let Recipe { stimulus, size, .. } = &shown.recipe;
         let kind = self.settings.kind();
-        let is_predicted = kind.has_bands;
+        let predicted = self.predicted.get(&(stimulus.clone(), *size, self.place)).filter(|_| kind.has_bands);
         let room = ui.clip_rect().width();
         let side = *size as f32 / ui.ctx().pixels_per_point();
-        if AXIS + side > room {
-            ui::note(
-                ui,
-                "The image is larger than its place here. Scroll to see all of it; its pixels are not scaled.",
-            );
-        }
         let beside = room - AXIS - side - 2.0 * ui.spacing().item_spacing.x;
-        let mut numbers = |ui: &mut Ui, width: f32| {
+        let numbers = |ui: &mut Ui, width: f32| {
             ui.vertical(|ui| {
                 ui.set_width(width.min(theme::COLUMN));
-                if is_predicted {
-                    self.prediction.show(ui, stimulus, *size);
-                } else {
-                    ui::paragraph(ui, "Nothing is predicted: this effect is none of Mach bands.");
+                match predicted {
+                    Some(Ok(predicted)) => predicted.show(ui, self.place.sentence(*size)),
+                    Some(Err(error)) => ui::show_error(ui, format!("No prediction: {error}.")),
+                    None if kind.has_bands => _ = ui.label("Predicting…"),
+                    None => ui::paragraph(ui, "Nothing is predicted: this is not about Mach bands."),
                 }
             });
         };
@@ -357,7 +357,7 @@ impl Gallery {
             numbers(ui, room);
         }
         let [asked, emitted] = &shown.curves;
-        let marks = if is_predicted { self.prediction.marks(stimulus, *size) } else { &[] };
+        let marks = predicted.and_then(|predicted| predicted.as_ref().ok()).map_or(&[][..], |known| &known.marks);
         let ink = theme::ink(ui);
         let [after, requested] = ink.sides();
         ui.horizontal(|ui| {
@@ -373,7 +373,7 @@ impl Gallery {
             marks.iter().for_each(|mark| draw_mark(plot, mark, asked, ink.ink));
         });
         if stimulus.is_line() {
-            let bands = if is_predicted { description(marks) } else { "no Mach bands".to_owned() };
+            let bands = if kind.has_bands { description(marks) } else { "no Mach bands".to_owned() };
             ui::describe(&response, &format!("Plot: light, {bands}"));
         }
     }
@@ -432,12 +432,14 @@ fn curves(recipe: &Recipe, quantizer: &Quantizer) -> [Trace; 2] {
     let strongest = recipe.stimulus.strongest_channel();
     let light = recipe.stimulus.profile(SAMPLES);
     let at = |i: u32| [place(i, SAMPLES), f64::from(light[i as usize][strongest])];
-    let samples = store::curve::samples(recipe, quantizer);
-    [(0..SAMPLES).map(at).collect(), samples.iter().map(|sample| [sample.x, sample.emitted]).collect()]
+    let table = store::curve::table(recipe, quantizer);
+    let [x, emitted] = ["x", "emitted"].map(|name| table.column(name).map_or(&[][..], |column| &column.cells));
+    let emitted = x.iter().zip(emitted).filter_map(|(x, light)| Some([x.as_number()?, light.as_number()?]));
+    [(0..SAMPLES).map(at).collect(), emitted.collect()]
 }
 
 /// The viewing distance and luminance of the stimulus.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 struct ViewingPlace {
     viewing: Option<Viewing>,
     /// With a window of the usual width.
@@ -470,22 +472,10 @@ impl ViewingPlace {
             None => format!("The window is assumed to be {window}° wide."),
         }
     }
-
-    fn predict(&self, (stimulus, size): &Key) -> Result<Predicted, String> {
-        let window_deg = self.window_deg(*size);
-        let conditions = ViewingConditions { window_deg, ..self.usual };
-        let predict = || {
-            let visible = conditions.visible(&[stimulus], Some(*size))?.remove(0);
-            Ok((visible, conditions.detection(stimulus)?))
-        };
-        let (visible, detection) = predict().map_err(|error: crate::vision::VisionError| error.to_string())?;
-        let marks = if let Visible::Ramp(bands) = &visible { marks(bands, window_deg) } else { Vec::new() };
-        Ok(Predicted { visible, detection, marks })
-    }
 }
 
-/// A stimulus and its side in pixels.
-type Key = (Stimulus, u32);
+/// A stimulus, its side in pixels, and where it is seen.
+type Key = (Stimulus, u32, ViewingPlace);
 
 /// The prediction for a stimulus.
 struct Predicted {
@@ -495,50 +485,25 @@ struct Predicted {
     marks: Vec<Mark>,
 }
 
-/// The prediction for the displayed stimulus.
-struct Prediction {
-    place: ViewingPlace,
-    predicted: Latest<Key, Predicted>,
-}
-
-impl Prediction {
-    fn new(place: ViewingPlace) -> Self {
-        Self { place, predicted: Latest::default() }
+impl Predicted {
+    fn of((stimulus, size, place): &Key) -> Result<Self, String> {
+        let window_deg = place.window_deg(*size);
+        let conditions = ViewingConditions { window_deg, ..place.usual };
+        let fail = |error: VisionError| error.to_string();
+        let visible = conditions.visible(&[stimulus], Some(*size)).map_err(fail)?.remove(0);
+        let marks = if let Visible::Ramp(bands) = &visible { marks(bands, window_deg) } else { Vec::new() };
+        Ok(Self { visible, detection: conditions.detection(stimulus).map_err(fail)?, marks })
     }
 
-    /// Requests the prediction for the displayed stimulus.
-    fn refresh(&mut self, ctx: &egui::Context, stimulus: &Stimulus, size: u32) {
-        let (place, key) = (self.place, (stimulus.clone(), size));
-        if !stimulus.is_line() {
-            self.predicted.want(ctx, key.clone(), || move || place.predict(&key));
-        } else if self.predicted.get(&key).is_none() {
-            let predicted = place.predict(&key);
-            self.predicted.put(key, predicted);
-        }
-    }
-
-    /// Returns the bands along the line.
-    fn marks(&self, stimulus: &Stimulus, size: u32) -> &[Mark] {
-        match self.predicted.get(&(stimulus.clone(), size)) {
-            Some(Ok(predicted)) => &predicted.marks,
-            _ => &[],
-        }
-    }
-
-    /// Draws the numbers.
-    fn show(&mut self, ui: &mut egui::Ui, stimulus: &Stimulus, size: u32) {
-        match self.predicted.get(&(stimulus.clone(), size)) {
-            Some(Ok(Predicted { visible, detection, .. })) => {
-                ui::paragraph(ui, sentence(visible));
-                ui::paragraph(
-                    ui,
-                    format!("The contrast of the whole picture is predicted to be {detection:.1} times the threshold."),
-                );
-                ui::hint(ui, format!("At 1, people just see the difference. {}", self.place.sentence(size)));
-            }
-            Some(Err(error)) => ui::show_error(ui, format!("No prediction: {error}.")),
-            None => _ = ui.label("Predicting…"),
-        }
+    /// Draws the numbers, and says where they hold.
+    fn show(&self, ui: &mut Ui, place: String) {
+        ui::paragraph(ui, sentence(&self.visible));
+        let times = self.detection;
+        ui::paragraph(
+            ui,
+            format!("The contrast of the whole picture is predicted to be {times:.1} times the threshold."),
+        );
+        ui::hint(ui, format!("At 1, people just see the difference. {place}"));
     }
 }
 

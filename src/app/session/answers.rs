@@ -58,52 +58,55 @@ pub fn scale_height(ctx: &egui::Context, scale: &ResponseScale) -> f32 {
 pub fn draw_scale(ctx: &egui::Context, scale: &ResponseScale, enabled: bool) -> Option<u8> {
     let mut rated = None;
     let (texts, size) = buttons(ctx, scale);
-    Area::new(Id::unique("scale")).anchor(Align2::CENTER_BOTTOM, [0.0, -BELOW]).show(ctx, |ui| {
-        Frame::NONE.fill(theme::SHADE).corner_radius(6.0).inner_margin(MARGIN).show(ui, |ui| {
-            ui.spacing_mut().item_spacing.x = GAP;
-            ui.spacing_mut().button_padding = PADDING;
-            ui.horizontal(|ui| {
-                for ((rating, category), text) in (0..).zip(&scale.categories).zip(texts) {
-                    let button = Button::new(RichText::new(text).small()).frame(enabled).wrap();
-                    let response = ui.add_enabled_ui(enabled, |ui| ui.add_sized(size, button)).inner;
-                    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, enabled, &category.label));
-                    if response.clicked() {
-                        rated = Some(rating);
-                    }
+    at_lower_edge(ctx, MARGIN, |ui| {
+        ui.spacing_mut().item_spacing.x = GAP;
+        ui.spacing_mut().button_padding = PADDING;
+        ui.horizontal(|ui| {
+            for ((rating, category), text) in (0..).zip(&scale.categories).zip(texts) {
+                let button = Button::new(RichText::new(text).small()).frame(enabled).wrap();
+                let response = ui.add_enabled_ui(enabled, |ui| ui.add_sized(size, button)).inner;
+                response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, enabled, &category.label));
+                if response.clicked() {
+                    rated = Some(rating);
                 }
-            });
+            }
         });
     });
     rated
+}
+
+/// Draws a panel in the middle of the lower edge.
+fn at_lower_edge(ctx: &egui::Context, margin: f32, add: impl FnOnce(&mut Ui)) {
+    Area::new(Id::unique("scale")).anchor(Align2::CENTER_BOTTOM, [0.0, -BELOW]).show(ctx, |ui| {
+        Frame::NONE.fill(theme::SHADE).corner_radius(6.0).inner_margin(margin).show(ui, add);
+    });
 }
 
 /// Draws the slider with the labels of its ends. Returns the share of its length at which it was clicked or dragged.
 pub fn draw_slider(ctx: &egui::Context, scale: &ResponseScale, enabled: bool, share: Option<f64>) -> Option<f64> {
     let mut set = None;
     let length = (ctx.content_rect().width() - 40.0).min(SLIDER_LENGTH);
-    Area::new(Id::unique("slider")).anchor(Align2::CENTER_BOTTOM, [0.0, -BELOW]).show(ctx, |ui| {
-        Frame::NONE.fill(theme::SHADE).corner_radius(6.0).inner_margin(10.0).show(ui, |ui| {
-            ui.set_width(length);
-            let sense = if enabled { egui::Sense::click_and_drag() } else { egui::Sense::hover() };
-            let (rect, response) = ui.allocate_exact_size(Vec2::new(length, 24.0), sense);
-            response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Slider, enabled, &scale.question));
-            let color = ui.visuals().text_color().gamma_multiply(if enabled { 1.0 } else { 0.4 });
-            let line = rect.shrink2(Vec2::new(8.0, 0.0));
-            let stroke = egui::Stroke::new(2.0, color);
-            ui.painter().line_segment([line.left_center(), line.right_center()], stroke);
-            if let Some(share) = share {
-                let x = egui::lerp(line.x_range(), share as f32);
-                ui.painter().circle_filled(egui::pos2(x, line.center().y), 8.0, color);
-            }
-            if let Some(at) = response.interact_pointer_pos().filter(|_| enabled) {
-                set = Some(f64::from(((at.x - line.left()) / line.width()).clamp(0.0, 1.0)));
-            }
-            ui.horizontal(|ui| {
-                let labels: Vec<&str> = scale.categories.iter().map(|category| category.label.as_str()).collect();
-                ui.label(RichText::new(labels.first().copied().unwrap_or_default()).small());
-                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                    ui.label(RichText::new(labels.last().copied().unwrap_or_default()).small());
-                });
+    at_lower_edge(ctx, 10.0, |ui| {
+        ui.set_width(length);
+        let sense = if enabled { egui::Sense::click_and_drag() } else { egui::Sense::hover() };
+        let (rect, response) = ui.allocate_exact_size(Vec2::new(length, 24.0), sense);
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Slider, enabled, &scale.question));
+        let color = ui.visuals().text_color().gamma_multiply(if enabled { 1.0 } else { 0.4 });
+        let line = rect.shrink2(Vec2::new(8.0, 0.0));
+        let stroke = egui::Stroke::new(2.0, color);
+        ui.painter().line_segment([line.left_center(), line.right_center()], stroke);
+        if let Some(share) = share {
+            let x = egui::lerp(line.x_range(), share as f32);
+            ui.painter().circle_filled(egui::pos2(x, line.center().y), 8.0, color);
+        }
+        if let Some(at) = response.interact_pointer_pos().filter(|_| enabled) {
+            set = Some(f64::from(((at.x - line.left()) / line.width()).clamp(0.0, 1.0)));
+        }
+        ui.horizontal(|ui| {
+            let end = |category: Option<&Category>| RichText::new(category.map_or("", |end| &*end.label)).small();
+            ui.label(end(scale.categories.first()));
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                ui.label(end(scale.categories.last()));
             });
         });
     });
@@ -148,12 +151,6 @@ impl Feedback {
         self.mark = Some((mark, now));
     }
 
-    /// Asks for the answer after the last interval.
-    pub fn ask(&self, ui: &Ui, center: Pos2, field: Color32, question: &str) {
-        let (font, color) = (FontId::proportional(18.0), shade(field, TEXT_SHADE));
-        ui.painter().text(center, Align2::CENTER_CENTER, question, font, color);
-    }
-
     /// An answer was taken back.
     pub fn undone(&mut self, now: Duration) {
         self.mark = Some((Mark::Undone, now));
@@ -191,18 +188,17 @@ impl Feedback {
         }
         let may_show = is_early || matches!(state, State::Response { .. });
         if may_show && now.saturating_sub(*self.keys_since.get_or_insert(now)) < KEYS {
-            let color = shade(field, TEXT_SHADE);
-            ui.painter().text(
-                center + Vec2::new(0.0, 26.0),
-                Align2::CENTER_CENTER,
-                keys,
-                FontId::proportional(16.0),
-                color,
-            );
+            write(ui, center + Vec2::new(0.0, 26.0), field, 16.0, keys);
         } else if self.keys_since.take().is_some() {
             self.wrong_key = false;
         }
     }
+}
+
+/// Writes text on the field.
+pub fn write(ui: &Ui, center: Pos2, field: Color32, size: f32, text: &str) {
+    let (font, color) = (FontId::proportional(size), shade(field, TEXT_SHADE));
+    ui.painter().text(center, Align2::CENTER_CENTER, text, font, color);
 }
 
 /// Draws a short line for an answer, a check mark if it was right, a cross if it was wrong, and an arrow back for one

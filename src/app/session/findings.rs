@@ -3,8 +3,6 @@
 
 use std::collections::BTreeSet;
 
-use eframe::egui;
-
 use super::request::{Prepared, Request, room, stimulus_side_px};
 use crate::{
     app::ui::{Monitor, platform::Platform, today},
@@ -245,65 +243,54 @@ pub fn light_steps(protocol: &Protocol) -> PreflightNote {
     either("light_steps", percent < 95.0, [&gentle, &sudden])
 }
 
-/// Questions that no system can answer and the person at the screen must. Each has a name, a statement to confirm by
-/// looking at the screen or its menu, and whether it was confirmed. None of them blocks a session.
-pub struct Questions(Vec<(&'static str, &'static str, bool)>);
+/// A question that no system can answer and the person at the screen must: its name, a statement to confirm by looking at
+/// the screen or its menu, and whether it was confirmed. None of them blocks a session.
+pub type Question = (&'static str, &'static str, bool);
 
-impl Questions {
-    /// Creates the questions that the system's report leaves open.
-    pub fn new(platform: &Platform, display: &DisplayProfile) -> Self {
-        let questions = [
-            (
-                display.measured.is_some(),
-                "right_monitor_asked",
-                "This is the screen on which the profile was measured, with the same brightness, contrast, and color \
-                    settings.",
-            ),
-            (
-                true,
-                "monitor_settings_asked",
-                "The screen's image enhancements are off: dynamic contrast, local dimming, automatic brightness, eye \
-                    comfort.",
-            ),
-            (
-                platform.ramps_straight.is_none(),
-                "night_light_asked",
-                "The system's night light, blue-light filter and color corrections are off.",
-            ),
-            (platform.hdr != Some(false), "hdr_asked", "High dynamic range (HDR) is off."),
-            (
-                platform.variable_refresh != Some(false),
-                "variable_refresh_asked",
-                "Variable refresh (FreeSync, G-Sync, Adaptive-Sync) is off.",
-            ),
-            (
-                true,
-                "luminance_limit_asked",
-                "The screen does not dim large bright areas, as OLED screens do: a white window has the same luminance \
-                    at every size.",
-            ),
-            (
-                true,
-                "other_programs_asked",
-                "No other program draws on the screen: no video, no notifications, no screen sharing.",
-            ),
-        ];
-        let wanted = questions.into_iter().filter(|(wanted, ..)| *wanted);
-        Self(wanted.map(|(_, check, statement)| (check, statement, false)).collect())
-    }
+/// Returns the questions that the system's report leaves open.
+pub fn questions(platform: &Platform, display: &DisplayProfile) -> Vec<Question> {
+    let all = [
+        (
+            display.measured.is_some(),
+            "right_monitor_asked",
+            "This is the screen on which the profile was measured, with the same brightness, contrast, and color \
+                settings.",
+        ),
+        (
+            true,
+            "monitor_settings_asked",
+            "The screen's image enhancements are off: dynamic contrast, local dimming, automatic brightness, eye \
+                comfort.",
+        ),
+        (
+            platform.ramps_straight.is_none(),
+            "night_light_asked",
+            "The system's night light, blue-light filter and color corrections are off.",
+        ),
+        (platform.hdr != Some(false), "hdr_asked", "High dynamic range (HDR) is off."),
+        (
+            platform.variable_refresh != Some(false),
+            "variable_refresh_asked",
+            "Variable refresh (FreeSync, G-Sync, Adaptive-Sync) is off.",
+        ),
+        (
+            true,
+            "luminance_limit_asked",
+            "The screen does not dim large bright areas, as OLED screens do: a white window has the same luminance \
+                at every size.",
+        ),
+        (
+            true,
+            "other_programs_asked",
+            "No other program draws on the screen: no video, no notifications, no screen sharing.",
+        ),
+    ];
+    let wanted = all.into_iter().filter(|(wanted, ..)| *wanted);
+    wanted.map(|(_, check, statement)| (check, statement, false)).collect()
+}
 
-    /// Draws the statements, each with a checkbox.
-    pub fn show(&mut self, ui: &mut egui::Ui) {
-        for (_, statement, confirmed) in &mut self.0 {
-            ui.checkbox(confirmed, *statement);
-        }
-    }
-
-    /// Returns the answers, for the sidecar.
-    pub fn notes(&self) -> impl Iterator<Item = PreflightNote> {
-        self.0.iter().map(|(check, statement, confirmed)| {
-            let answer = if *confirmed { "Confirmed at the screen" } else { "Not confirmed" };
-            note(check, *confirmed, format!("{answer}: {statement}"))
-        })
-    }
+/// Returns the answer to a question, for the sidecar.
+pub fn answer((check, statement, confirmed): &Question) -> PreflightNote {
+    let answer = if *confirmed { "Confirmed at the screen" } else { "Not confirmed" };
+    note(check, *confirmed, format!("{answer}: {statement}"))
 }

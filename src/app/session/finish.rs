@@ -7,38 +7,26 @@ use eframe::egui::{self, Key};
 
 use crate::{
     app::ui::{self, Dialog, Field, FileKind, Step, own_plot::OwnPlot, theme},
-    experiment::{Protocol, TrialRecord},
+    experiment::Protocol,
     system::{data_folder, make_private_folder},
 };
 
 pub struct Finish {
-    protocol: Protocol,
+    pub protocol: Protocol,
     /// Path of the data file.
     pub path: PathBuf,
     /// Whether every planned trial is rated.
     pub complete: bool,
-    plot: Option<OwnPlot>,
-    opened: Option<String>,
+    pub plot: Option<OwnPlot>,
+    /// Why the folder could not be opened.
+    pub unopened: Option<String>,
     /// One sentence about the frames of the sitting, if there were any.
-    frames: Option<String>,
+    pub frames: Option<String>,
     /// The error if the end of the sitting could not be recorded.
-    error: Option<String>,
+    pub error: Option<String>,
 }
 
 impl Finish {
-    /// Creates the last page of a completed or interrupted session.
-    pub fn new(
-        protocol: Protocol,
-        rows: &[TrialRecord],
-        path: PathBuf,
-        complete: bool,
-        frames: Option<String>,
-        error: Option<String>,
-    ) -> Self {
-        let plot = OwnPlot::new(&protocol, rows);
-        Self { protocol, path, complete, plot, opened: None, frames, error }
-    }
-
     /// Draws the page. `direct`: leaving it closes the window.
     pub fn show(&mut self, ui: &mut egui::Ui, direct: bool) -> Step<PathBuf> {
         let texts = self.protocol.instructions.clone();
@@ -82,7 +70,7 @@ impl Finish {
         let analyze = ui.horizontal_wrapped(|ui| {
             if ui.button(&texts.open_folder).clicked() {
                 let folder = self.path.parent().unwrap_or(&self.path);
-                self.opened = ui::open(folder);
+                self.unopened = ui::open(folder);
             }
             // Participants who return must not see trends in their answers.
             self.complete && ui.button("Analyze these results").clicked()
@@ -90,7 +78,7 @@ impl Finish {
         if let Some(frames) = &self.frames {
             ui::hint(ui, frames);
         }
-        if let Some(error) = &self.opened {
+        if let Some(error) = &self.unopened {
             ui::show_error(ui, error);
         }
         analyze.inner
@@ -138,9 +126,6 @@ impl UnsavedAnswerPage {
                 choice = Some(SaveChoice::Retry);
             }
             ui.add_space(12.0);
-            if let Some(rescue) = &self.rescue {
-                ui.label(format!("The folder {} belongs to you, and nobody else can open it.", rescue.display()));
-            }
             let field = Field::new("Or save the entire session in another folder:").column(theme::COLUMN).width(380.0);
             field.path(ui, &mut self.folder, &mut self.dialog, (FileKind::Folder, "Choose a folder…"));
             let usable = !self.folder.trim().is_empty();

@@ -4,7 +4,7 @@
 use eframe::egui::{self, Key, ProgressBar, TextureHandle};
 
 use crate::{
-    app::ui::{self, Step, pixels, theme},
+    app::ui::{self, Step, pixels, theme, work::Kept},
     experiment::{Category, Phase, Progress, Protocol, Texts},
     light::{Depth, Quantizer},
     stimulus::{MachBand, Stimulus},
@@ -22,27 +22,8 @@ const PICTURE: f32 = 150.0;
 const EXAMPLES: [(f64, Depth); 4] =
     [(0.9, Depth::Finite(4)), (0.9, Depth::Finite(2)), (0.6, Depth::Finite(1)), (0.12, Depth::Finite(1))];
 
-/// Pictures of the categories, which are created once per size.
-#[derive(Default)]
-pub struct CategoryPictures {
-    size: u32,
-    textures: Vec<TextureHandle>,
-}
-
-impl CategoryPictures {
-    /// Returns the pictures with a side of `size` physical pixels.
-    fn get(&mut self, ctx: &egui::Context, band: &MachBand, quantizer: &Quantizer, size: u32) -> &[TextureHandle] {
-        if self.size != size {
-            self.size = size;
-            let drawn = |(i, (width, depth)): (usize, (f64, Depth))| {
-                let example = Stimulus::MachBand(MachBand { width, depth, orientation_deg: 0.0, ..band.clone() });
-                pixels::texture(ctx, &format!("category{i}"), &example.codes(size, quantizer))
-            };
-            self.textures = EXAMPLES.into_iter().enumerate().map(drawn).collect();
-        }
-        &self.textures
-    }
-}
+/// Pictures of the categories, by their side in physical pixels.
+pub type CategoryPictures = Kept<u32, Vec<TextureHandle>>;
 
 /// Draws a page of the instructions, counted from 0. `back` says whether a page is before it.
 pub fn instructions(
@@ -100,7 +81,11 @@ fn examples(
     let gap = ui.spacing().item_spacing.x;
     let side = ((ui.available_width() - 3.0 * gap) / 4.0).clamp(40.0, PICTURE);
     let size = (side * ui.ctx().pixels_per_point()).floor() as u32;
-    let shown = pictures.get(ui.ctx(), band, quantizer, size);
+    let drawn = |(i, (width, depth)): (usize, (f64, Depth))| {
+        let example = Stimulus::MachBand(MachBand { width, depth, orientation_deg: 0.0, ..band.clone() });
+        pixels::texture(ui.ctx(), &format!("category{i}"), &example.codes(size, quantizer))
+    };
+    let shown = pictures.get(size, || EXAMPLES.into_iter().enumerate().map(drawn).collect());
     ui.horizontal_top(|ui| {
         for (category, texture) in categories.iter().zip(shown) {
             ui.vertical(|ui| {
@@ -209,11 +194,7 @@ fn next_or_back(ui: &mut egui::Ui, texts: &Texts, back: bool) -> Step<()> {
         ui.add_space(theme::SMALL_GAP);
         ui::keyed(ui, &texts.previous, &texts.previous_key) || keys.into_iter().any(|key| ui::shortcut(ui, key))
     };
-    match (next, is_back) {
-        (true, _) => Step::Next(()),
-        (false, true) => Step::Back,
-        (false, false) => Step::Stay,
-    }
+    if next { Step::Next(()) } else { Step::back_if(is_back) }
 }
 
 /// Draws the button that continues; returns whether the participant does.

@@ -141,8 +141,7 @@ fn agreement(ui: &mut Ui, label: &str, text: &str, typed: &mut String, agree: &s
     if tick.changed() {
         *typed = if agreed { today().to_string() } else { String::new() };
     }
-    if !error.is_empty() {
-        ui::show_error(ui, error);
-    }
+    // The error has the same room before there is one.
+    ui::text::two_lines(ui, error, theme::ink(ui).bad, 2);
     tick
 }

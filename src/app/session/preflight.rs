@@ -5,7 +5,7 @@ use std::time::Duration;
 use eframe::egui::{self, Key, RichText, ViewportCommand};
 
 use super::{
-    findings::{self, Questions},
+    findings::{self, Question},
     participant::ParticipantPage,
     request::{Prepared, Request},
     trials::Trials,
@@ -24,6 +24,8 @@ use crate::{
 const MEASURE_S: f64 = 1.0;
 /// Minimum number of measured frames.
 const MEASURE_FRAMES: usize = 30;
+/// Share of the window's height above the page.
+const TOP: f32 = 0.02;
 /// Longest wait for the window to become full screen, seconds.
 const SETTLE_S: f64 = 0.7;
 
@@ -34,7 +36,7 @@ pub struct Preflight {
     since: Option<f64>,
     frames: FrameTimes,
     /// The system's report about the screen and the remaining questions, once the window has settled.
-    platform: Option<(Platform, Questions)>,
+    platform: Option<(Platform, Vec<Question>)>,
     /// The fonts for the participant's texts.
     fonts: TextFonts,
     /// The finding about the change in light between field and stimulus.
@@ -95,7 +97,7 @@ impl Preflight {
                 self.frames.frame(Duration::try_from_secs_f64(now).unwrap_or_default(), None);
             }
             ui.ctx().request_repaint();
-            ui::page(ui, |ui| {
+            ui::page_from(ui, TOP, |ui| {
                 ui.heading("Before the session");
                 ui.label("Measuring the screen…");
                 ui.spinner();
@@ -105,7 +107,7 @@ impl Preflight {
         let missing = missing.flatten();
         let (platform, mut questions) = self.platform.take().unwrap_or_else(|| {
             let platform = Platform::of(monitor);
-            let questions = Questions::new(&platform, &self.request.display);
+            let questions = findings::questions(&platform, &self.request.display);
             (platform, questions)
         });
         let window = window_px(ui.ctx());
@@ -117,7 +119,7 @@ impl Preflight {
         notes.extend(missing);
         let blocked = prepared.as_ref().err().or(self.refused.as_ref());
         let (begin, back) = self.draw(ui, &notes, &mut questions, prepared.is_ok(), blocked);
-        notes.extend(questions.notes());
+        notes.extend(questions.iter().map(findings::answer));
         self.platform = Some((platform, questions));
         if back {
             return self.back(ui.ctx());
@@ -156,7 +158,7 @@ impl Preflight {
         &self,
         ui: &mut egui::Ui,
         notes: &[PreflightNote],
-        questions: &mut Questions,
+        questions: &mut [Question],
         ready: bool,
         blocked: Option<&String>,
     ) -> (bool, bool) {
@@ -170,7 +172,7 @@ impl Preflight {
             let begin = ui::neutral_primary(ui, "Continue", ready, "Space. These findings are saved with the data.");
             (begin, ui::keyed(ui, "Back", "Esc"))
         });
-        ui::page_from(ui, 0.02, |ui| {
+        ui::page_from(ui, TOP, |ui| {
             ui.heading("Before the session");
             let (subject, session) = (identity.subject(), identity.session());
             let title = &protocol.title;
@@ -189,7 +191,9 @@ impl Preflight {
             ui.add_space(8.0);
             ui.label(RichText::new("Please check these yourself").strong());
             ui::hint(ui, "The program cannot detect these. Items that you do not check are recorded as not confirmed.");
-            questions.show(ui);
+            for (_, statement, confirmed) in questions {
+                ui.checkbox(confirmed, *statement);
+            }
         });
         (begin || proceed, back || escaped)
     }

@@ -3,9 +3,8 @@
 
 use std::{
     collections::BTreeMap,
-    sync::mpsc::{Sender, channel},
-    thread::{self, JoinHandle},
-    time::{Duration, SystemTime, UNIX_EPOCH},
+    sync::mpsc::{Receiver, Sender, channel},
+    time::Duration,
 };
 
 use jiff::Timestamp;
@@ -30,7 +29,7 @@ use crate::{
         session::{Interrupted, SessionStore},
         sidecar::{FrameSummary, InputSummary, Pictures, PreflightNote, Sitting, UsedDisplay},
     },
-    system::{after, before, now},
+    system::{after, before, now, run_on_thread},
 };
 
 /// What a timestamp means, for the sidecar.
@@ -49,9 +48,12 @@ pub struct Recording {
     pub rows: Vec<TrialRecord>,
     /// Wall-clock time at which the session's time was 0.
     origin: Timestamp,
-    hasher: Option<Hasher>,
+    /// The stimuli and the hashes of their images. Each is computed on another thread, so that no frame waits for it.
+    hashes: (Sender<Hashed>, Receiver<Hashed>),
     closed: bool,
 }
+
+type Hashed = (Stimulus, String);
 
 impl Recording {
     /// Creates or opens the files, and keeps the participant's `answers`, if they were asked. Also returns the session, and the session's time at the start of this sitting.
@@ -104,7 +106,7 @@ impl Recording {
             sitting,
             rows,
             origin: before(now(), offset),
-            hasher: Hasher::start(),
+            hashes: channel(),
             closed: false,
         };
         Ok((recording, session, offset))
@@ -148,10 +150,9 @@ impl Recording {
 
     /// Takes the image of a stimulus, which is hashed on another thread.
     pub fn picture(&self, stimulus: Stimulus, picture: CodeImage) {
-        if let Some(hasher) = &self.hasher {
-            // If the thread has ended, the image is not hashed; the missing hash shows this.
-            let _ = hasher.pictures.send((stimulus, picture));
-        }
+        let hashes = self.hashes.0.clone();
+        // If the system cannot create a thread, the missing hash shows this.
+        let _ = run_on_thread(move || _ = hashes.send((stimulus, image::hash(&picture))));
     }
 
     /// Records the end of the sitting in the sidecar; does so only once. Returns the write error, which is also printed
@@ -164,7 +165,9 @@ impl Recording {
         let saved = if session.is_storing() { self.store.retry() } else { Ok(()) };
         self.store_frames(session);
         self.store.sitting().input = Some(self.input());
-        let hashed = self.hasher.take().map(Hasher::finish).unwrap_or_default();
+        // Without the other sender, the last image ends the list.
+        let (_, hashes) = std::mem::replace(&mut self.hashes, channel());
+        let hashed: BTreeMap<String, Hashed> = hashes.iter().map(|hashed| (hashed.0.key(), hashed)).collect();
         self.store.note_pictures(hashed.values().map(|(stimulus, sha256)| (stimulus, sha256.clone())));
         let summary = screen.summary(session.frame_times(), self.store.frames_file());
         let complete = *session.state() == State::Done;
@@ -180,34 +183,6 @@ impl Recording {
     }
 }
 
-/// Hashes images on a separate thread, so that no frame waits for them.
-struct Hasher {
-    pictures: Sender<(Stimulus, CodeImage)>,
-    /// By [`Stimulus::key`].
-    hashes: JoinHandle<BTreeMap<String, (Stimulus, String)>>,
-}
-
-impl Hasher {
-    /// Starts the thread; `None` if the system cannot create one. The images then have no hashes.
-    fn start() -> Option<Self> {
-        let (pictures, shown) = channel::<(Stimulus, CodeImage)>();
-        let hash = move || {
-            let mut hashes = BTreeMap::new();
-            for (stimulus, picture) in shown {
-                hashes.entry(stimulus.key()).or_insert_with(|| (stimulus, image::hash(&picture)));
-            }
-            hashes
-        };
-        Some(Self { pictures, hashes: thread::Builder::new().name("hasher".to_owned()).spawn(hash).ok()? })
-    }
-
-    /// Waits for the thread to end; returns the hash of each stimulus's image.
-    fn finish(self) -> BTreeMap<String, (Stimulus, String)> {
-        drop(self.pictures);
-        self.hashes.join().unwrap_or_default()
-    }
-}
-
 /// Returns the session time at which a resumed sitting starts. It follows the wall clock, but is never before the last
 /// recorded time, because a clock can be set back.
 fn offset(elapsed_s: f64, first: Option<&TrialRecord>) -> Duration {
@@ -219,8 +194,7 @@ fn offset(elapsed_s: f64, first: Option<&TrialRecord>) -> Duration {
 
 /// Returns a seed that differs from session to session.
 pub fn fresh_seed() -> u64 {
-    let nanoseconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_nanos() as u64);
-    session_seed(nanoseconds ^ (u64::from(std::process::id()) << 32))
+    session_seed(now().as_nanosecond() as u64 ^ (u64::from(std::process::id()) << 32))
 }
 
 /// The refresh of the screen, updated if the window moves to another screen.
@@ -261,9 +235,8 @@ impl ScreenRefresh {
         let counted = count(times.intervals_us().len() as u64, "frame");
         let verdict = match (times.dropped(), self.now.0) {
             (Some(dropped), Some(refresh)) => {
-                let late = times.late_onsets();
-                let onsets = if late == 1 { "onset" } else { "onsets" };
-                format!("{dropped} dropped at {:.2} Hz, {late} {onsets} late", refresh.hz())
+                let late = count(times.late_onsets().into(), "onset");
+                format!("{dropped} dropped at {:.2} Hz, {late} late", refresh.hz())
             }
             (Some(dropped), None) => format!("{dropped} dropped"),
             (None, _) => "none could be judged, because the screen's refresh rate is unknown".to_owned(),

@@ -5,7 +5,7 @@ use std::{collections::BTreeSet, time::Duration};
 use eframe::egui::{self, CentralPanel, Color32, CursorIcon, Frame, Key, TextureHandle, Vec2, ViewportCommand};
 
 use super::{
-    answers::{Feedback, draw_scale, draw_slider, scale_height},
+    answers::{Feedback, draw_scale, draw_slider, scale_height, write},
     finish::{Finish, SaveChoice, UnsavedAnswerPage},
     instructions::{self, CategoryPictures, INSTRUCTION_PAGES, PauseChoice},
     recording::{Recording, ScreenRefresh},
@@ -13,7 +13,7 @@ use super::{
 };
 use crate::{
     app::{
-        ui::{Monitor, Step, pixels, release_focus, theme, window_px},
+        ui::{Monitor, Step, own_plot::OwnPlot, pixels, release_focus, theme, window_px},
         window::{Input, MIN_SIZE, PressTime},
     },
     experiment::{
@@ -380,7 +380,6 @@ impl Trials {
             Step::Back => self.step(Event::Back, now),
         }
         release_focus(ui.ctx());
-        ui.ctx().request_repaint();
         Step::Stay
     }
 
@@ -395,9 +394,7 @@ impl Trials {
                 Step::Next(()) => Some(page + 1).filter(|page| *page < INSTRUCTION_PAGES),
                 Step::Back => page.checked_sub(1),
             };
-            release_focus(ui.ctx());
-            ui.ctx().request_repaint();
-            return;
+            return release_focus(ui.ctx());
         }
         let why = self.too_small(ui.ctx());
         match instructions::paused(ui, &self.session.progress(), protocol, why.as_deref()) {
@@ -407,7 +404,6 @@ impl Trials {
             _ => return,
         }
         release_focus(ui.ctx());
-        ui.ctx().request_repaint();
     }
 
     /// Returns the background color: the color of the uniform field during trials.
@@ -481,7 +477,7 @@ impl Trials {
             None => protocol.response.fill_keys(text),
         };
         if let (Layout::Intervals { .. }, State::Response { .. }) = (protocol.task.layout(), self.session.state()) {
-            self.feedback.ask(ui, area.center(), self.field, &format!("{}  {keys}", protocol.response.question));
+            write(ui, area.center(), self.field, 18.0, &format!("{}  {keys}", protocol.response.question));
         }
         let state = (self.session.state(), now);
         self.feedback.draw(ui, state, protocol.recovery_duration(), center, self.field, &keys);
@@ -491,14 +487,16 @@ impl Trials {
         let error = self.close();
         ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
         ctx.send_viewport_cmd(ViewportCommand::MinInnerSize(MIN_SIZE));
-        Step::Next(Box::new(Finish::new(
-            self.session.protocol().clone(),
-            &self.recording.rows,
-            self.recording.store.csv().to_owned(),
-            *self.session.state() == State::Done,
-            self.screen.sentence(self.session.frame_times()),
+        let protocol = self.session.protocol();
+        Step::Next(Box::new(Finish {
+            plot: OwnPlot::new(protocol, &self.recording.rows),
+            protocol: protocol.clone(),
+            path: self.recording.store.csv().to_owned(),
+            complete: *self.session.state() == State::Done,
+            unopened: None,
+            frames: self.screen.sentence(self.session.frame_times()),
             error,
-        )))
+        }))
     }
 
     /// Says how to resume the session after the window is closed.

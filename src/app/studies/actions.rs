@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use eframe::egui::{self, Align, Layout, Popup, TextStyle, Ui, text::LayoutJob};
+use eframe::egui::{self, Align, Layout, RichText, Ui};
 
 use super::{
     grid::Cell,
@@ -12,7 +12,7 @@ use super::{
 };
 use crate::{
     app::ui::{
-        self, action, main_action, quiet,
+        self, action, main_action, menu, quiet,
         theme::{self, Icon, NARROW},
     },
     experiment::Protocol,
@@ -21,12 +21,8 @@ use crate::{
     system::found,
 };
 
-/// In a window narrower than this, in points, buttons beside the title have no words.
-const SMALL: f32 = 680.0;
 /// In a page narrower than this, in points, all but beginning and resuming sessions is in a menu.
 const ROOM_FOR_ALL: f32 = 816.0;
-/// Maximum number of lines of the title.
-const LINES: usize = 3;
 /// Number of simulated participants if none is planned.
 const PARTICIPANTS: u32 = 8;
 
@@ -46,33 +42,31 @@ impl Studies {
                 ui.set_width(room);
                 let file = Path::new(&experiment).file_name().unwrap_or_default().to_string_lossy().into_owned();
                 let title = checked.protocol.as_ref().map_or(file.as_str(), |protocol| &protocol.title);
-                let font = TextStyle::Heading.resolve(ui.style());
-                let mut title = LayoutJob::simple(title.to_owned(), font, theme::ink(ui).ink, room);
-                title.wrap.max_rows = LINES;
-                // The pointer on a longer one shows all of it.
-                ui.add(egui::Label::new(title).wrap());
+                ui::paragraph(ui, RichText::new(title).heading().color(theme::ink(ui).ink));
                 if let Some(protocol) = &checked.protocol {
                     ui::hint(ui, facts(file, protocol));
                 }
             });
             let buttons = ui.horizontal(|ui| {
-                let word = |ui: &Ui, word| if ui.ctx().content_rect().width() < SMALL { "" } else { word };
-                if ui.ctx().content_rect().width() < NARROW {
-                    let menu = quiet(ui, Icon::Down, word(ui, "Studies"), "Choose another study");
-                    Popup::menu(&menu).width(LIST[1]).show(|ui| {
+                let is_narrow = ui.ctx().content_rect().width() < NARROW;
+                let word = |word| if is_narrow { "" } else { word };
+                if is_narrow {
+                    let button = quiet(ui, Icon::Down, "Studies", "Choose another study");
+                    menu(&button, |ui| {
+                        ui.set_width(LIST[1]);
                         ui.set_max_height(420.0);
                         self.studies(ui);
                     });
                 }
-                if !is_built_in && quiet(ui, Icon::Edit, word(ui, "Edit"), "Edit").clicked() {
+                if !is_built_in && quiet(ui, Icon::Edit, word("Edit"), "Edit").clicked() {
                     let name = checked.protocol.as_ref().map_or("", |protocol| &protocol.name);
                     next = Some(Destination::Editor(experiment.clone(), Some(self.sessions.of(name).count())));
                 }
-                if quiet(ui, Icon::Plus, word(ui, "Duplicate as…"), "Duplicate as…").clicked() {
+                if quiet(ui, Icon::Plus, word("Duplicate as…"), "Duplicate as…").clicked() {
                     next = Some(Destination::Editor(experiment.clone(), None));
                 }
                 let more = quiet(ui, Icon::More, "", "More");
-                Popup::menu(&more).show(|ui| {
+                menu(&more, |ui| {
                     if ui.button("Open the folder").clicked() {
                         open(ui, &self.folder());
                     }
@@ -120,7 +114,7 @@ impl Studies {
             if is_wide {
                 rest(ui);
             } else {
-                Popup::menu(&quiet(ui, Icon::More, "", "More actions")).show(rest);
+                menu(&quiet(ui, Icon::More, "", "More actions"), rest);
             }
         });
         // The room for the progress is there before and after.
@@ -174,14 +168,14 @@ impl Studies {
         if let Some(adaptive) = &protocol.adaptive {
             shown.push(("trials", "Trials", adaptive.common.trials.to_string(), ""));
         }
-        let given = [("experiment", self.experiment_name())];
+        let given = [("experiment", self.form.experiment.clone())];
         RequestForm::new(["Plan", "Simulate"], about.to_owned(), &shown, &given, Job::plan)
     }
 
     /// Returns the dialog that simulates a pilot.
     fn pilot(&self, protocol: &Protocol) -> RequestForm {
         // Simulated sessions never lie among those of people.
-        let free = free(|number| self.results().with_file_name(format!("{}-pilot-{number}", protocol.name)));
+        let free = free(|number| self.form.results().with_file_name(format!("{}-pilot-{number}", protocol.name)));
         // The findings of the paper are about ratings.
         let observer = if protocol.task.is_default() { "paper" } else { "vision" };
         let participants = protocol.plan.participants.unwrap_or(PARTICIPANTS).to_string();
@@ -192,15 +186,11 @@ impl Studies {
         );
         let shown =
             [("participants", "Participants", participants, ""), ("observer", "Observer", observer.to_owned(), "")];
-        let given = [("experiment", self.experiment_name()), ("results", free.display().to_string())];
+        let given = [("experiment", self.form.experiment.clone()), ("results", free.display().to_string())];
         let protocol = protocol.clone();
         RequestForm::new(["Simulate a pilot", "Simulate"], about, &shown, &given, move |ctx, request| {
             Job::pilot(ctx, request, protocol.clone())
         })
-    }
-
-    fn experiment_name(&self) -> String {
-        self.form.experiment.trim().to_owned()
     }
 
     /// Opens the dialog of a session.

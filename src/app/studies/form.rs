@@ -5,16 +5,15 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use eframe::egui::Ui;
-
 use super::grid::Cell;
 use crate::{
     app::{
         session::{Request, room, stimulus_side_px},
         ui::{Field, Monitor, ScreenFields, full, number},
     },
-    display::{DisplayProfile, Screen, Viewing},
+    display::{DisplayProfile, Viewing},
     experiment::{Identity, Protocol, Schedule},
+    report::names::capitalized,
     store::{
         StoreError,
         dataset::free_participant,
@@ -25,12 +24,7 @@ use crate::{
 };
 
 /// Width of the column of labels, points.
-const LABELS: f32 = 152.0;
-
-/// Returns the width of the column of labels, points.
-pub fn labels(ui: &Ui) -> f32 {
-    if ui.available_width() < 480.0 { 120.0 } else { LABELS }
-}
+pub const LABELS: f32 = 152.0;
 
 /// The values of the fields, as typed.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -74,8 +68,8 @@ pub struct Checked {
 
 impl Checked {
     /// Creates the control for a field, with its error.
-    pub fn field(&self, ui: &Ui, part: &'static str) -> Field<'_> {
-        Field::new(part).column(labels(ui)).error(self.error(part))
+    pub fn field(&self, part: &'static str) -> Field<'_> {
+        Field::new(part).column(LABELS).error(self.error(part))
     }
 
     /// Returns the error of a field; empty if there is none.
@@ -83,9 +77,9 @@ impl Checked {
         self.errors.get(part).map_or("", String::as_str)
     }
 
-    /// Returns whether a field has an error.
-    pub fn is_wrong(&self, part: &str) -> bool {
-        self.errors.contains_key(part)
+    /// Returns the display profile, or what is wrong with it.
+    pub fn profile(&self) -> Result<&DisplayProfile, &str> {
+        self.display.as_ref().ok_or_else(|| self.error(PROFILE))
     }
 }
 
@@ -100,7 +94,7 @@ impl SessionForm {
         let protocol = self.protocol().map_err(|error| errors.insert(EXPERIMENT, error)).ok();
         let display = self.screen.profile().map_err(|error| errors.insert(PROFILE, error)).ok();
         if let Err(error) = Identity::check_session(&self.cell.session) {
-            errors.insert(SESSION, error);
+            errors.insert(SESSION, capitalized(&error));
         }
         let identity = Identity::new(&self.cell.subject, &self.cell.session).ok();
         let results = self.results();
@@ -115,7 +109,7 @@ impl SessionForm {
         // Why none could be suggested is said at another field.
         let is_missing = self.cell.subject.is_empty() && !matches!(free, Some(Ok(_)));
         if let Some(error) = Identity::check_subject(&self.cell.subject).err().filter(|_| !is_missing) {
-            errors.insert(PARTICIPANT, error);
+            errors.insert(PARTICIPANT, capitalized(&error));
         }
         if let (Some(protocol), Some(identity)) = (&protocol, &identity) {
             match SessionStore::is_finished(&results, protocol, identity, None, Changes::Refuse) {
@@ -178,12 +172,9 @@ impl SessionForm {
 
     /// Returns the viewing geometry, or adds the errors in its fields.
     fn viewing(&self, monitor: &Monitor, errors: &mut BTreeMap<&'static str, String>) -> Option<Viewing> {
-        let cm = |typed: Option<f64>, example| typed.ok_or(format!("Enter a number of centimeters, e.g. {example}."));
-        let width = cm(self.screen.width_cm(monitor), "53.1")
-            .and_then(|cm| Screen::new(monitor.width_px, monitor.height_px, cm))
-            .map_err(|error| errors.insert(SCREEN_WIDTH, error));
-        let distance = cm(number(&self.screen.distance_cm), "57").map_err(|error| errors.insert(DISTANCE, error));
-        Viewing::new(width.ok()?, distance.ok()?).map_err(|error| errors.insert(DISTANCE, error)).ok()
+        let screen = self.screen.screen(monitor).map_err(|error| errors.insert(SCREEN_WIDTH, error));
+        let distance = self.screen.distance().map_err(|error| errors.insert(DISTANCE, error));
+        Viewing::new(screen.ok()?, distance.ok()?).map_err(|error| errors.insert(DISTANCE, error)).ok()
     }
 }
 

@@ -38,8 +38,8 @@ pub(super) const LIST: [f32; 2] = [288.0, 240.0];
 const CARDS: [f32; 2] = [336.0, 272.0];
 /// In a page narrower than this, in points, there is no column of cards.
 const ROOM_FOR_CARDS: f32 = 760.0;
-/// Minimum height of the place of a study, points. A page with less room for it scrolls.
-const LEAST: f32 = 480.0;
+/// Minimum height of the place of a study below its title, points. A page with less room for it scrolls.
+const LEAST: f32 = 400.0;
 
 /// Where the page leads.
 pub enum Destination {
@@ -113,15 +113,10 @@ impl Studies {
         self.checked.as_ref().map(|(.., checked)| &**checked)
     }
 
-    /// Returns the results folder.
-    pub fn results(&self) -> PathBuf {
-        self.form.results()
-    }
-
     /// Returns the folder of the chosen study.
     pub fn folder(&self) -> PathBuf {
         let name = self.checked().and_then(|checked| checked.protocol.as_ref()).map(|protocol| &protocol.name);
-        name.map_or_else(|| self.results(), |name| self.results().join(name))
+        name.map_or_else(|| self.form.results(), |name| self.form.results().join(name))
     }
 
     /// Updates the page when the user returns to it. After a session that is complete, or in which nothing was rated,
@@ -152,7 +147,7 @@ impl Studies {
         let checked = self.check(monitor);
         self.remember(settings, monitor, &checked);
         self.list.update(ui.ctx(), &settings.recent.experiments);
-        let results = self.results();
+        let results = self.form.results();
         self.sessions.update(ui, &results);
         let mut next = self.take_made(ui.ctx());
         let wide = usize::from(ui.ctx().content_rect().width() < WIDE);
@@ -161,14 +156,17 @@ impl Studies {
             let panel = Panel::left("studies").resizable(false).exact_size(LIST[wide]).frame(frame);
             panel.show(ui, |ui| self.studies(ui));
         }
-        let height = (ui.available_height() - 2.0 * MARGIN).max(LEAST);
+        let height = ui.available_height() - 2.0 * MARGIN;
         let mut now = Now { checked, monitor, settings };
-        let content = |ui: &mut Ui| next = self.place(ui, CARDS[wide], &mut now).or(next.take());
         CentralPanel::default().frame(Frame::NONE.inner_margin(MARGIN)).show(ui, |ui| {
             ScrollArea::vertical().id_salt("page").auto_shrink(false).show(ui, |ui| {
-                let size = egui::vec2(ui.available_width().min(theme::CONTENT), height);
-                let place = Rect::from_min_size(ui.cursor().min, size);
-                ui.scope_builder(UiBuilder::new().max_rect(place), content);
+                ui.set_max_width(ui.available_width().min(theme::CONTENT));
+                next = self.title(ui, &mut now).or(next.take());
+                let below = height - (ui.cursor().top() - ui.max_rect().top());
+                let size = egui::vec2(ui.available_width(), below.max(LEAST));
+                let place = UiBuilder::new().max_rect(Rect::from_min_size(ui.cursor().min, size));
+                let place = ui.scope_builder(place, |ui| self.place(ui, CARDS[wide], &mut now));
+                next = place.inner.or(next.take());
             });
         });
         let dialog = self.open.take().and_then(|open| self.dialog(ui, open, &mut now));
@@ -221,18 +219,16 @@ impl Studies {
         }
     }
 
-    /// Draws the place of the chosen study.
+    /// Draws the place of the chosen study, below its title.
     fn place(&mut self, ui: &mut Ui, cards: f32, now: &mut Now<'_>) -> Option<Destination> {
-        let mut next = self.title(ui, now);
         let checked = now.checked.clone();
         let Some(protocol) = &checked.protocol else {
             ui.add_space(LARGE_GAP);
-            let error = checked.error(form::EXPERIMENT);
-            error.lines().for_each(|line| ui::show_error(ui, line));
-            return next;
+            ui::text::errors(ui, checked.error(form::EXPERIMENT));
+            return None;
         };
         ui.add_space(LARGE_GAP);
-        next = self.actions(ui, protocol, now).or(next);
+        let mut next = self.actions(ui, protocol, now);
         ui.add_space(LARGE_GAP);
         if ui.available_width() >= ROOM_FOR_CARDS {
             let frame = Frame::NONE.inner_margin(egui::Margin { left: LARGE_GAP as i8, ..Default::default() });
@@ -283,15 +279,11 @@ impl Studies {
                 }
             },
             Open::Planned(planned) => {
-                let (done, closed) = ui::modal(ctx, "planned", 680.0, |ui, height| {
+                let is_open = ui::notice(ctx, "planned", theme::COLUMN, |ui| {
                     ui.heading("Plan");
-                    ScrollArea::vertical().max_height(height - 120.0).show(ui, |ui| {
-                        planned.iter().for_each(|sentence| ui::paragraph(ui, sentence));
-                    });
-                    ui.add_space(GAP);
-                    ui.button("Close").clicked()
+                    planned.iter().for_each(|sentence| ui::paragraph(ui, sentence));
                 });
-                (!done && !closed).then_some(Open::Planned(planned))
+                is_open.then_some(Open::Planned(planned))
             }
             Open::Removal(session) => {
                 let title = Cell::of(&session.identity).title();
@@ -338,6 +330,7 @@ impl Studies {
         });
         if done == Some(true) {
             self.choose_experiment(path.trim().to_owned());
+            ui::say(ctx, format!("Opened {}", self.form.experiment));
         }
         (done.is_none() && !closed).then_some(path)
     }
@@ -352,6 +345,7 @@ impl Studies {
             Err(error) => ui::complain(ctx, error),
             Ok(Made::Checked(found)) => {
                 let sessions = count(found.sessions as u64, "session");
+                found.errors.iter().rev().for_each(|error| ui::complain(ctx, error));
                 match found.errors.len() as u64 {
                     0 => ui::say(ctx, format!("{sessions} checked; no errors")),
                     n => ui::complain(ctx, format!("{sessions} checked; {}", count(n, "error"))),

@@ -5,7 +5,7 @@ use std::{path::Path, rc::Rc};
 use eframe::egui::{self, ScrollArea, Ui, Vec2, ViewportCommand};
 
 use super::{
-    form::{self, Checked, SessionForm, labels},
+    form::{self, Checked, SessionForm},
     grid::Cell,
     page::{Destination, Now, Studies},
 };
@@ -47,7 +47,10 @@ impl Studies {
     }
 
     /// Updates the remembered values. What the program suggests is not remembered.
-    pub(super) fn remember(&self, settings: &mut Settings, monitor: &Monitor, checked: &Checked) {
+    pub fn remember(&self, settings: &mut Settings, monitor: &Monitor, checked: &Checked) {
+        if !self.started {
+            return;
+        }
         let SessionForm { screen, results, experiment, .. } = &self.form;
         let absolute = |text: &str| ui::full(Path::new(text.trim())).display().to_string();
         settings.results = absolute(results);
@@ -146,31 +149,29 @@ impl Studies {
 
     fn fields(&mut self, ui: &mut Ui, now: &mut Now<'_>) {
         let checked = &now.checked;
-        if checked.is_wrong(form::EXPERIMENT) {
-            checked.field(ui, form::EXPERIMENT).show(ui, |_, _| ());
-        }
+        ui::text::errors(ui, checked.error(form::EXPERIMENT));
         let SessionForm { cell: Cell { subject, session }, screen, .. } = &mut self.form;
-        let first = checked.field(ui, form::PARTICIPANT).slot().hint("letters and digits").text(ui, subject);
+        let first = checked.field(form::PARTICIPANT).slot().hint("letters and digits").text(ui, subject);
         if std::mem::take(&mut self.opening) {
             first.request_focus();
         }
-        checked.field(ui, form::SESSION).slot().hint("1, 2, … for the same participant").text(ui, session);
-        checked.field(ui, form::DISTANCE).slot().hint("from eye to screen").text(ui, &mut screen.distance_cm);
+        checked.field(form::SESSION).slot().hint("1, 2, … for the same participant").text(ui, session);
+        checked.field(form::DISTANCE).slot().hint("from eye to screen").text(ui, &mut screen.distance_cm);
         if let Some(coarse) = &checked.coarse {
-            Field::new("").column(labels(ui)).show(ui, |ui, _| ui::note(ui, coarse));
+            Field::new("").column(form::LABELS).show(ui, |ui, _| ui::note(ui, coarse));
         }
         self.width_field(ui, now);
         let browse = (FileKind::Toml, "Choose a display profile…");
-        let field = checked.field(ui, form::PROFILE).hint("sRGB");
+        let field = checked.field(form::PROFILE).hint("sRGB");
         field.path(ui, &mut self.form.screen.profile, &mut self.profile, browse);
         if let Some(display) = &checked.display {
-            Field::new("").column(labels(ui)).show(ui, |ui, _| {
+            Field::new("").column(form::LABELS).show(ui, |ui, _| {
                 ui::hint(ui, display.sentence());
                 display.warning(today()).into_iter().for_each(|warning| ui::note(ui, warning));
             });
         }
         let browse = (FileKind::Folder, "Choose the results folder…");
-        let field = checked.field(ui, form::RESULTS);
+        let field = checked.field(form::RESULTS);
         let (field, _) = field.path(ui, &mut self.form.results, &mut self.results, browse);
         field.on_hover_text(self.form.results.as_str());
         self.monitor_field(ui, now);
@@ -178,11 +179,12 @@ impl Studies {
 
     fn width_field(&mut self, ui: &mut Ui, now: &Now<'_>) {
         let Now { checked, monitor, .. } = now;
-        checked.field(ui, form::SCREEN_WIDTH).show(ui, |ui, label| {
+        checked.field(form::SCREEN_WIDTH).show(ui, |ui, label| {
             ui.horizontal_wrapped(|ui| {
                 CardHelper::field(&mut self.card, ui, label, &mut self.form.screen, monitor);
             });
-            let Some((side, per_degree)) = checked.stimulus_px.filter(|_| !checked.is_wrong(form::SCREEN_WIDTH)) else {
+            let Some((side, per_degree)) = checked.stimulus_px.filter(|_| checked.error(form::SCREEN_WIDTH).is_empty())
+            else {
                 return;
             };
             let is_assumed = self.form.screen.width_is_assumed();
@@ -193,7 +195,7 @@ impl Studies {
 
     fn monitor_field(&mut self, ui: &mut Ui, now: &mut Now<'_>) {
         let Now { monitor, settings, .. } = now;
-        Field::new("Screen").column(labels(ui)).show(ui, |ui, _| {
+        Field::new("Screen").column(form::LABELS).show(ui, |ui, _| {
             ui.horizontal_wrapped(|ui| {
                 let title = ui.label(monitor.title());
                 title.on_hover_text("To use another screen, move this window there.");
@@ -214,13 +216,11 @@ impl Studies {
         ui.add_space(GAP);
         ui.separator();
         ui.add_space(GAP);
-        if let Some(error) = &self.error {
-            error.lines().for_each(|line| ui::show_error(ui, line));
-        }
+        ui::text::errors(ui, self.error.as_deref().unwrap_or_default());
         let (clicked, cancelled) = ui
             .horizontal_wrapped(|ui| {
                 let clicked = ui::primary(ui, text, checked.request.is_some(), "");
-                let cancelled = ui.button("Cancel").clicked();
+                let cancelled = ui.button("Close").clicked();
                 ui::hint(ui, hint);
                 (clicked, cancelled)
             })
@@ -253,7 +253,7 @@ impl Studies {
             return None;
         };
         let found = session.to_resume().and_then(|(protocol, distance_cm)| {
-            SessionStore::is_finished(&self.results(), &protocol, identity, None, Changes::Refuse)?;
+            SessionStore::is_finished(&self.form.results(), &protocol, identity, None, Changes::Refuse)?;
             let request = self.form.request(&protocol, identity.clone(), display, true);
             Ok(Request { distance_cm: distance_cm.unwrap_or(request.distance_cm), ..request })
         });

@@ -34,12 +34,13 @@ pub struct Field<'a> {
     width: Option<f32>,
     column: Option<f32>,
     slot: bool,
+    log: bool,
 }
 
 impl<'a> Field<'a> {
     /// Creates a field on one line.
     pub fn new(label: &'a str) -> Self {
-        Self { label, name: None, hint: "", suffix: "", error: "", width: None, column: None, slot: false }
+        Self { label, name: None, hint: "", suffix: "", error: "", width: None, column: None, slot: false, log: false }
     }
 
     /// Puts the label in a column of this width, points.
@@ -62,6 +63,11 @@ impl<'a> Field<'a> {
         Self { suffix, ..self }
     }
 
+    /// Makes a slider logarithmic.
+    pub fn log(self) -> Self {
+        Self { log: true, ..self }
+    }
+
     /// Sets the error to show below the control; empty for none.
     pub fn error(self, error: &'a str) -> Self {
         Self { error, ..self }
@@ -79,6 +85,12 @@ impl<'a> Field<'a> {
 
     /// Draws the label and its control. `add` gets the label's ID for [`Response::labelled_by`].
     pub fn show<R>(self, ui: &mut Ui, add: impl FnOnce(&mut Ui, Id) -> R) -> R {
+        let add = |ui: &mut Ui, label| {
+            if !self.error.is_empty() {
+                outline_wrong(ui);
+            }
+            add(ui, label)
+        };
         let Some(column) = self.column else {
             let line = |ui: &mut Ui| {
                 let label = ui.label(self.label).id;
@@ -89,9 +101,6 @@ impl<'a> Field<'a> {
             return added;
         };
         let add = |ui: &mut Ui, label| {
-            if !self.error.is_empty() {
-                outline_wrong(ui);
-            }
             let added = add(ui, label);
             self.show_errors(ui);
             added
@@ -177,6 +186,7 @@ impl<'a> Field<'a> {
             let mut shown = (value.to_f64() * scale).round() / scale;
             let slider = Slider::new(&mut shown, range.start().to_f64()..=range.end().to_f64())
                 .step_by(step)
+                .logarithmic(self.log)
                 .max_decimals(decimals as usize)
                 .custom_formatter(|value, decimals| text::signed(&format_with_decimals_in_range(value, decimals)))
                 .custom_parser(|typed| number(&typed.replace('−', "-")))

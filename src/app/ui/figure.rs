@@ -42,14 +42,15 @@ impl FigureView {
         Self { figure, drawn: Latest::default(), shown: None, saving }
     }
 
+    /// Returns whether another figure is the same of other data.
+    pub fn is_like(&self, other: &Self) -> bool {
+        self.figure.name == other.figure.name
+    }
+
     /// Shows the image of the previous figure until this one is drawn.
-    pub fn replace(&mut self, earlier: Self) -> Option<Self> {
-        if earlier.figure.name != self.figure.name {
-            return Some(earlier);
-        }
+    pub fn replace(&mut self, earlier: Self) {
         self.saving = earlier.saving;
         self.shown = earlier.shown.map(|(_, texture)| (None, texture));
-        None
     }
 
     /// Draws the figure with its title and caption.

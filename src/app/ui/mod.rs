@@ -41,8 +41,9 @@ pub use dialog::{Dialog, FileKind};
 pub use fields::{Field, entry, number};
 pub use history::History;
 pub use page::{
-    Bench, Step, action, ask, begin_frame, end_frame, entered, escaped, folded, footer, heading, keyed, main_action,
-    modal, neutral_primary, page, page_from, pinned, place_page, primary, quiet, release_focus, shortcut, tool_page,
+    Bench, Step, action, ask, begin_frame, end_frame, entered, escaped, fit_window, folded, footer, heading, keyed,
+    main_action, menu, modal, neutral_primary, notice, page, page_from, paged, pinned, place_page, primary, quiet,
+    release_focus, shortcut, tool_page,
 };
 pub use parameter::parameter;
 pub use platform::window_px;

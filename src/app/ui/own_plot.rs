@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 
 use eframe::egui;
-use egui_plot::{Corner, GridMark, Legend, Line, Points};
+use egui_plot::{GridMark, Line, Points};
 
 use crate::{
-    app::ui::{still_plot, theme},
+    app::ui::{legend, still_plot, theme},
     experiment::{
         Factor, Phase, Protocol, TaskAnswer, TrialRecord,
         task::{Answer, Measures, significant},
@@ -15,7 +15,7 @@ use crate::{
     stimulus::ParameterValue,
 };
 
-/// Maximum number of lines that have a legend; a longer one would cover the plot.
+/// Maximum number of lines that have a legend.
 const MAX_LEGEND: usize = 6;
 
 /// A plot of one participant's answers.
@@ -73,7 +73,7 @@ impl OwnPlot {
         self.draw(ui, 280.0);
     }
 
-    /// Draws the plot alone, this high, points.
+    /// Draws the plot and what its lines are, this high, points.
     pub fn draw(&self, ui: &mut egui::Ui, height: f32) {
         let ([low, high], log) = (self.y, self.log);
         let pad = 0.05 * (high - low);
@@ -81,12 +81,6 @@ impl OwnPlot {
         let (dark, places) = (ui.visuals().dark_mode, self.places.clone());
         let titles = [self.x_label.as_str(), self.y_label.as_str()];
         let mut plot = still_plot(ui, "ratings", titles).height(height).include_y(low - pad).include_y(high + pad);
-        if (2..=MAX_LEGEND).contains(&self.lines.len()) {
-            // The legend is beside the last points, not on them.
-            let longest = self.lines.iter().flat_map(|(_, points)| points).map(|point| point[0]).fold(0.0, f64::max);
-            let room = if self.places.is_empty() { 1.4 * longest } else { longest };
-            plot = plot.include_x(room).legend(Legend::default().position(Corner::RightTop));
-        }
         if log {
             plot = plot
                 .y_grid_spacer(move |grid| {
@@ -100,12 +94,16 @@ impl OwnPlot {
         if !places.is_empty() {
             plot = plot
                 .include_x(-0.3)
-                .include_x(last + 1.0)
+                .include_x(last + 0.3)
                 .x_grid_spacer(move |_| (0..=last as i64).map(mark).collect())
                 .x_axis_formatter(move |mark, _| {
                     let index = mark.value.round();
                     if index < 0.0 { String::new() } else { places.get(index as usize).cloned().unwrap_or_default() }
                 });
+        }
+        if (2..=MAX_LEGEND).contains(&self.lines.len()) {
+            let names = self.lines.iter().enumerate();
+            legend(ui, names.map(|(i, (name, _))| (theme::series(dark, i).0, name.as_str())));
         }
         plot.show(ui, |plot| {
             for (i, (name, points)) in self.lines.iter().enumerate() {

@@ -1,14 +1,15 @@
 //! Pages, which are columns of text and controls with a heading, a main button and keys, and navigation between them.
 
 use eframe::egui::{
-    self, CentralPanel, Color32, Context, Event, Frame, Id, Key, Modal, Panel, Popup, RichText, ScrollArea, Ui,
-    UiBuilder, Vec2,
+    self, CentralPanel, Color32, Context, Event, Frame, Id, InputState, Key, Modal, Panel, Popup, RichText, ScrollArea,
+    Ui, UiBuilder, Vec2,
     accesskit::{Action, ActionRequest, TreeId},
+    style::StyleModifier,
 };
 
 use super::{
     text::secondary,
-    theme::{BIG_CONTROL, COLUMN, GAP, Icon, LARGE_GAP, MARGIN, compact, focus_ring, ink, ink_of},
+    theme::{BIG_CONTROL, COLUMN, CONTROL, GAP, Icon, LARGE_GAP, MARGIN, compact, focus_ring, ink, ink_of},
 };
 
 /// Where a page leads after a frame. A page that can only lead back says instead whether the user left it.
@@ -47,13 +48,13 @@ pub fn page<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
 pub fn footer<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
     let frame = Frame::NONE.inner_margin(egui::vec2(MARGIN, GAP));
     let panel = Panel::bottom("footer").resizable(false).show_separator_line(false).frame(frame);
-    panel.show(ui, |ui| centered(ui, add)).inner
+    panel.show(ui, |ui| centered(ui, ui.available_width(), add)).inner
 }
 
-/// Draws a column in the middle of the available width.
-fn centered<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
+/// Draws a column in the middle of the `whole` width, of which a scroll bar may have a part.
+fn centered<R>(ui: &mut Ui, whole: f32, add: impl FnOnce(&mut Ui) -> R) -> R {
     let width = ui.available_width().min(COLUMN);
-    let margin = (ui.available_width() - width) / 2.0;
+    let margin = (whole - width) / 2.0;
     let content = |ui: &mut Ui| {
         ui.set_width(width);
         add(ui)
@@ -67,32 +68,47 @@ fn centered<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
 
 /// Draws a page that begins at this share of the window's height.
 pub fn page_from<R>(ui: &mut Ui, top: f32, add: impl FnOnce(&mut Ui) -> R) -> R {
-    scrolled(ui, |ui| {
+    scrolled(ui, "", |ui, whole| {
         // A small window has no room for the space at the top.
         let spare = ui.available_height() - 560.0;
         ui.add_space((ui.available_height() * top).min(spare.max(0.0)));
-        centered(ui, add)
+        centered(ui, whole, add)
     })
 }
 
-/// Draws the page of a place, whose column is beside the side bar.
-pub fn place_page<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
-    scrolled(ui, |ui| {
+/// Draws the page of a place with this name, whose column is beside the side bar.
+pub fn place_page<R>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui) -> R) -> R {
+    scrolled(ui, name, |ui, _| {
         ui.set_width(ui.available_width().min(COLUMN));
         add(ui)
     })
 }
 
-fn scrolled<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
-    let scrolling = |ui: &mut Ui| ScrollArea::vertical().auto_shrink(false).show(ui, add).inner;
+fn scrolled<R>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui, f32) -> R) -> R {
+    let scrolling = |ui: &mut Ui| {
+        let (width, area) = (ui.available_width(), ScrollArea::vertical().id_salt(name).auto_shrink(false));
+        area.show(ui, |ui| paged(ui, |ui| add(ui, width))).inner
+    };
     CentralPanel::default().frame(Frame::NONE.inner_margin(MARGIN)).show(ui, scrolling).inner
+}
+
+/// Draws what scrolls: Page Up and Page Down move it, because not everything in it can have the focus.
+pub fn paged<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
+    let added = add(ui);
+    let is_free = ui.memory(|memory| memory.allows_interaction(ui.layer_id())) && !ui.ctx().text_edit_focused();
+    let presses = |key| ui.input(|input| input.num_presses(key)) as f32;
+    let pages = presses(Key::PageUp) - presses(Key::PageDown);
+    if is_free && pages != 0.0 {
+        ui.scroll_with_delta(Vec2::new(0.0, 0.9 * pages * ui.clip_rect().height()));
+    }
+    added
 }
 
 /// Draws a page for one tool, with its name, a back button and its content. Returns whether the user left it, with the
 /// button or with Escape.
 pub fn tool_page(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) -> bool {
     let escaped = escaped(ui);
-    place_page(ui, |ui| {
+    place_page(ui, name, |ui| {
         let back = heading(ui, name);
         ui.add_space(8.0);
         add(ui);
@@ -100,6 +116,8 @@ pub fn tool_page(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) -> bool {
     })
 }
 
+/// Height of the bar above a window, points.
+const TITLE_BAR: f32 = 40.0;
 /// In a page narrower than this, in points, the view is above the controls, in one column.
 const ONE_COLUMN: f32 = 760.0;
 
@@ -122,7 +140,7 @@ impl<T> Bench<T> {
         let frame = Frame::NONE.inner_margin(LARGE_GAP);
         let mut back = false;
         let mut column = |ui: &mut Ui, page: &mut T| {
-            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            ScrollArea::vertical().id_salt(name).auto_shrink(false).show(ui, |ui| {
                 // Leaves room for the scroll bar.
                 ui.set_max_width(ui.available_width() - 6.0);
                 back = heading(ui, name);
@@ -202,11 +220,12 @@ fn filled(ui: &mut Ui, text: &str, [fill, on_fill]: [Color32; 2], enabled: bool,
     let button = if enabled { button.fill(fill) } else { button };
     let button = button.min_size(Vec2::new(3.0 * BIG_CONTROL, BIG_CONTROL));
     ui.horizontal(|ui| {
-        let clicked = ui.add_enabled(enabled, button).clicked();
+        let response = ui.add_enabled(enabled, button);
+        focus_ring(ui, &response);
         if !hint.is_empty() {
             super::text::hint(ui, hint);
         }
-        clicked
+        response.clicked()
     })
     .inner
 }
@@ -219,7 +238,23 @@ pub fn action(ui: &mut Ui, icon: Icon, text: &str) -> egui::Response {
 /// Draws the main button of a page with an icon.
 pub fn main_action(ui: &mut Ui, icon: Icon, text: &str) -> egui::Response {
     let ink = ink(ui);
-    labeled(ui, icon, text, Some([ink.accent, ink.on_accent]))
+    let response = labeled(ui, icon, text, Some([ink.accent, ink.on_accent]));
+    focus_ring(ui, &response);
+    response
+}
+
+/// Draws a menu below its button. A choice closes it, also with the keyboard, and the focus is seen in it.
+pub fn menu<R>(button: &egui::Response, add: impl FnOnce(&mut Ui) -> R) -> Option<R> {
+    let popup = Popup::menu(button).style(StyleModifier::default());
+    let shown = popup.show(|ui| {
+        let added = add(ui);
+        let chooses = |input: &InputState| input.key_pressed(Key::Enter) || input.key_pressed(Key::Space);
+        if ui.input(chooses) && !button.has_focus() {
+            ui.close();
+        }
+        added
+    });
+    shown.map(|shown| shown.inner)
 }
 
 /// Draws a button without a background, for what is rarely needed; without a text, only its icon, whose name is `name`.
@@ -278,6 +313,16 @@ pub fn modal<R>(ctx: &Context, id: &str, width: f32, add: impl FnOnce(&mut Ui, f
     });
     let closed = shown.should_close();
     (shown.inner, closed)
+}
+
+/// Draws a dialog with a Close button, above which its content scrolls; returns whether it stays open.
+pub fn notice(ctx: &Context, id: &str, width: f32, add: impl FnOnce(&mut Ui)) -> bool {
+    let (clicked, closed) = modal(ctx, id, width, |ui, height| {
+        ScrollArea::vertical().max_height(height - CONTROL - 2.0 * GAP).show(ui, |ui| paged(ui, add));
+        ui.add_space(GAP);
+        ui.button("Close").clicked()
+    });
+    !(clicked || closed)
 }
 
 /// Asks before something is lost. `keep` and `leave` are the answers; returns whether to leave, once answered.
@@ -350,8 +395,17 @@ pub fn end_frame(ctx: &Context) {
     LastFrame::of(ctx, |last| last.typing = typing);
 }
 
-/// Takes the keyboard focus from the control that has it, when another page appears: Space is then a key of that page.
+/// Maximizes a window that is too large for its screen.
+pub fn fit_window(ctx: &Context) {
+    let sizes = ctx.input(|input| input.viewport().monitor_size.zip(input.viewport().inner_rect));
+    if sizes.is_some_and(|(screen, window)| window.width() > screen.x || window.height() + TITLE_BAR > screen.y) {
+        ctx.send_viewport_cmd(egui::ViewportCommand::Maximized(true));
+    }
+}
+
+/// Takes the keyboard focus from the control that has it, because another page appears: Space is then a key of that page.
 pub fn release_focus(ctx: &egui::Context) {
+    ctx.request_repaint();
     if let Some(focused) = ctx.memory(|memory| memory.focused()) {
         ctx.memory_mut(|memory| memory.surrender_focus(focused));
     }

@@ -42,8 +42,9 @@ pub fn method(name: &str) -> String {
 /// Draws the control of a parameter: a slider if it has a range, and otherwise a text field with a list of common
 /// values.
 ///
-/// The labels are in a column of this width, points.
-pub fn parameter(ui: &mut Ui, column: f32, parameter: &'static Parameter, text: &mut String) {
+/// The labels are in a column of this width, points. If an error, or its absence, is given, there is room for one below a
+/// text field.
+pub fn parameter(ui: &mut Ui, column: f32, parameter: &'static Parameter, text: &mut String, error: Option<&str>) {
     let name = parameter.label();
     let field = Field::new(&name).column(column);
     if let (Some((least, most, step)), Ok(mut value)) = (slider_range(parameter.name), text.parse::<f64>()) {
@@ -56,8 +57,7 @@ pub fn parameter(ui: &mut Ui, column: f32, parameter: &'static Parameter, text: 
     let mut line = |ui: &mut Ui, label| {
         let room = ui.available_width().min(CONTROL) - LIST - ui.spacing().item_spacing.x;
         let edit = TextEdit::singleline(text).id_salt(("field", parameter.name)).desired_width(room);
-        let about = format!("{}: {}", parameter.description, parameter.expected);
-        ui.add(edit).labelled_by(label).on_hover_text(about);
+        ui.add(edit).labelled_by(label).on_hover_text(parameter.description);
         let list = ComboBox::from_id_salt(parameter.name).selected_text("").width(ARROW);
         let list = list.show_ui(ui, |ui| {
             for level in parameter.levels_hint {
@@ -69,5 +69,6 @@ pub fn parameter(ui: &mut Ui, column: f32, parameter: &'static Parameter, text: 
         text::name(ui, &list.response, &format!("Values of {}", parameter.words()));
         list.response.on_hover_text("Lists values to choose from.");
     };
+    let field = error.map_or(field, |error| field.slot().error(error));
     field.show(ui, |ui, label| ui.horizontal(|ui| line(ui, label)));
 }

@@ -185,18 +185,33 @@ impl ScreenFields {
     /// # Errors
     /// A length is impossible, or is not a number.
     pub fn viewing(&self, monitor: &Monitor) -> Result<Viewing, String> {
-        let width_cm = self.width_cm(monitor).unwrap_or(f64::NAN);
-        let screen = Screen::new(monitor.width_px, monitor.height_px, width_cm)?;
-        Viewing::new(screen, number(&self.distance_cm).unwrap_or(f64::NAN))
+        Viewing::new(self.screen(monitor)?, self.distance()?)
+    }
+
+    /// Returns this screen.
+    ///
+    /// # Errors
+    /// Its width is impossible, or is not a number.
+    pub fn screen(&self, monitor: &Monitor) -> Result<Screen, String> {
+        let typed =
+            if self.width_is_assumed() { Some(monitor.assumed_width_cm()) } else { number(&self.screen_width_cm) };
+        Screen::new(monitor.width_px, monitor.height_px, centimeters(typed, "53.1")?)
+    }
+
+    /// Returns the viewing distance in cm.
+    ///
+    /// # Errors
+    /// It is not a number.
+    pub fn distance(&self) -> Result<f64, String> {
+        centimeters(number(&self.distance_cm), "57")
     }
 
     /// Returns whether the screen's width is assumed rather than measured or typed.
     pub fn width_is_assumed(&self) -> bool {
         self.screen_width_cm.trim().is_empty()
     }
+}
 
-    /// Returns the screen's width; `None` if what was typed is not a number.
-    pub fn width_cm(&self, monitor: &Monitor) -> Option<f64> {
-        if self.width_is_assumed() { Some(monitor.assumed_width_cm()) } else { number(&self.screen_width_cm) }
-    }
+fn centimeters(typed: Option<f64>, example: &str) -> Result<f64, String> {
+    typed.ok_or_else(|| format!("Enter a number of centimeters, e.g. {example}."))
 }

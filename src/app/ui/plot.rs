@@ -26,11 +26,9 @@ pub fn still_plot<'a>(ui: &Ui, id: impl AsIdSalt, [across, up]: [&str; 2]) -> Pl
         .custom_x_axes(small(AxisHints::new_x(), across, TICKS[0]))
         .custom_y_axes(small(AxisHints::new_y(), up, TICKS[1]))
         .grid_color(GRID)
-        .allow_drag(false)
+        .sense(Sense::hover())
         .allow_zoom(false)
         .allow_scroll(false)
-        .allow_boxed_zoom(false)
-        .allow_double_click_reset(false)
 }
 
 /// Draws a legend: the name of each line after a piece of it. Unlike the legend inside a plot, it covers nothing.

@@ -44,15 +44,6 @@ pub struct Saving {
 }
 
 impl Saving {
-    /// Withdraws the question whether to replace a file; returns whether there was one.
-    pub fn cancel(&mut self) -> bool {
-        let asked = self.asked.is_some();
-        if asked {
-            *self = Self::default();
-        }
-        asked
-    }
-
     /// Draws the button; when it is clicked, returns the writer to use. `inputs` are files that are never replaced.
     pub fn button(
         &mut self,

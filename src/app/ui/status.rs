@@ -2,7 +2,10 @@
 
 use eframe::egui::{self, Align, CentralPanel, Context, Frame, Id, Label, Layout, RichText, Sense, Ui};
 
-use super::theme::{GAP, Icon, LARGE_GAP, ink};
+use super::{
+    page::menu,
+    theme::{GAP, Icon, LARGE_GAP, ink},
+};
 
 /// Number of messages that a click on the line shows.
 const KEPT: usize = 50;
@@ -55,7 +58,8 @@ pub fn status_line(ui: &mut Ui, about: Option<(Icon, &str)>) {
                 let line = text.lines().next().unwrap_or_default();
                 let label = Label::new(RichText::new(line).small().color(color)).truncate().sense(Sense::click());
                 let shown = ui.add(label);
-                egui::Popup::menu(&shown).width(480.0).show(|ui| {
+                menu(&shown, |ui| {
+                    ui.set_width(480.0);
                     for (text, failed) in &messages {
                         let color = if *failed { ink(ui).bad } else { ink(ui).text };
                         ui.add(Label::new(RichText::new(text).small().color(color)).wrap());

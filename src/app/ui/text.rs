@@ -1,11 +1,11 @@
 //! Text: paragraphs, hints, notes, and errors.
 
 use eframe::egui::{
-    self, Align, Color32, FontId, Label, Layout, Response, RichText, Role, Sense, TextStyle, Ui, Vec2, WidgetInfo,
-    WidgetText, text::LayoutJob,
+    self, Align, Color32, FontId, Label, Layout, Response, RichText, Role, TextStyle, Ui, Vec2, WidgetInfo, WidgetText,
+    text::LayoutJob,
 };
 
-use super::theme::{ICON, Icon, NOTE, SECTION, ink};
+use super::theme::{Icon, NOTE, SECTION, ink};
 use crate::experiment::Protocol;
 
 pub fn secondary(text: impl Into<String>) -> RichText {
@@ -61,9 +61,8 @@ pub fn section(ui: &mut Ui, text: impl Into<String>) {
 
 /// Paints a check mark or an exclamation mark, because not every font has them.
 pub fn tick(ui: &mut Ui, passed: bool) {
-    let (rect, _) = ui.allocate_exact_size(Vec2::splat(ICON), Sense::hover());
     let (icon, color) = if passed { (Icon::Check, ink(ui).good) } else { (Icon::Warn, ink(ui).warn) };
-    icon.paint(ui.painter(), rect, color);
+    icon.show(ui, color);
 }
 
 /// Replaces the hyphen of a number with a typographic minus sign.

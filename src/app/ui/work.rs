@@ -93,13 +93,39 @@ impl Steps {
     /// Draws how far it is: `Checking: 3 of 8 sessions`. `what` is the computation, and `items` is what is counted.
     pub fn show(&self, ui: &mut egui::Ui, what: &str, items: &str) {
         let [done, all] = [&self.done, &self.all].map(|count| count.load(Ordering::Relaxed));
+        let share = done as f32 / all.max(1) as f32;
+        ui.add(egui::ProgressBar::new(share).desired_width(96.0).desired_height(4.0).fill(ink(ui).dim));
+        // Its length changes, so it is last.
         ui.label(secondary(match all {
             0 => format!("{what}…"),
             _ => format!("{what}: {} of {} {items}", whole(done), whole(all)).trim_end().to_owned(),
         }));
-        let share = done as f32 / all.max(1) as f32;
-        ui.add(egui::ProgressBar::new(share).desired_width(96.0).desired_height(4.0).fill(ink(ui).dim));
         ui.ctx().request_repaint_after_secs(0.1);
+    }
+}
+
+/// A value that is made again only for another key.
+pub struct Kept<K, T>(Option<(K, T)>);
+
+impl<K, T> Default for Kept<K, T> {
+    fn default() -> Self {
+        Self(None)
+    }
+}
+
+impl<K: PartialEq, T> Kept<K, T> {
+    /// Returns the value for a key.
+    pub fn get(&mut self, key: K, make: impl FnOnce() -> T) -> &T {
+        let made = match self.0.take() {
+            Some((of, made)) if of == key => made,
+            _ => make(),
+        };
+        &self.0.insert((key, made)).1
+    }
+
+    /// Returns the last value.
+    pub fn last(&self) -> Option<&T> {
+        self.0.as_ref().map(|(_, made)| made)
     }
 }
 

@@ -17,4 +17,4 @@ mod table;
 pub use calibration::{Calibration, FittedChannel, FittedModel, Validation};
 pub use checks::{ErrorLocation, MIN_LEVELS, ReadingsError, Sum, additivity, drift_percent, largest_percent};
 pub use fit::{Curve, Family};
-pub use readings::{LevelMean, Patch, PatchSettings, Reading, Readings, is_same_level, patches};
+pub use readings::{LevelMean, Patch, Reading, Readings, is_same_level, patches};

@@ -95,25 +95,6 @@ fn means<'a>(readings: impl Iterator<Item = &'a Reading>) -> Vec<LevelMean> {
 /// The number of patches between two readings of white, which reveal drift.
 const BETWEEN_WHITES: usize = 16;
 
-/// The measurement settings.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PatchSettings {
-    /// The channels, each once.
-    pub channels: Vec<Channel>,
-    /// The number of levels of each channel, 2 to 256, evenly spaced in encoded value, including 0 and 1.
-    pub levels: usize,
-    /// The number of readings of each patch.
-    pub repeats: usize,
-    /// The seed of the random order.
-    pub seed: u64,
-}
-
-impl Default for PatchSettings {
-    fn default() -> Self {
-        Self { channels: Channel::ALL.to_vec(), levels: 17, repeats: 1, seed: 1 }
-    }
-}
-
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Patch {
     /// The lit channel, or all three for gray.
@@ -123,7 +104,8 @@ pub struct Patch {
     pub level: f64,
 }
 
-/// Returns the patches in the order of measurement; equal settings give the same order.
+/// Returns the patches in the order of measurement, which is always the same: every channel at `levels` levels, 2 to 256,
+/// evenly spaced in encoded value, including 0 and 1; and each patch `repeats` times.
 ///
 /// Every repeat shows each patch once, in a new random order, so that drift of the screen or the photometer affects all
 /// levels and channels alike. Black is the same patch in every channel and comes once per repeat. White comes first,
@@ -131,8 +113,7 @@ pub struct Patch {
 ///
 /// # Errors
 /// Returns an error if a profile cannot be made with these settings.
-pub fn patches(settings: &PatchSettings) -> Result<Vec<Patch>, String> {
-    let PatchSettings { channels, levels, repeats, seed } = settings;
+pub fn patches(channels: &[Channel], levels: usize, repeats: usize) -> Result<Vec<Patch>, String> {
     Channel::check_for_profile(channels)?;
     let patch = |channel: Channel, step: usize| {
         let code = (255.0 * step as f64 / (levels - 1) as f64).round();
@@ -140,10 +121,10 @@ pub fn patches(settings: &PatchSettings) -> Result<Vec<Patch>, String> {
     };
     let white_channel = if channels.contains(&Channel::Gray) { Channel::Gray } else { Channel::Green };
     let white = patch(white_channel, levels - 1);
-    let mut rng = ChaCha8Rng::seed_from_u64(*seed);
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
     let mut patches = vec![white];
-    for _ in 0..*repeats {
-        let all = channels.iter().flat_map(|channel| (1..*levels).map(|step| patch(*channel, step)));
+    for _ in 0..repeats {
+        let all = channels.iter().flat_map(|channel| (1..levels).map(|step| patch(*channel, step)));
         let mut round: Vec<Patch> = all.filter(|patch| *patch != white).collect();
         round.push(patch(white_channel, 0));
         shuffle(&mut round, &mut rng);

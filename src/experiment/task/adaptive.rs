@@ -6,18 +6,13 @@ use serde::Serialize;
 
 use super::{
     curve::Common,
-    kind::{Kind, Pick, whole_only},
+    kind::{Given, Kind, Pick},
     options::{OptionValue, kinds, options},
     quest::{Quest, QuestPlus, Second},
     scaling::Ranking,
     staircase::{Staircase, Stairs},
 };
-use crate::{
-    experiment::{condition::Factor, faults::DefinitionErrors},
-    statistics::shuffle,
-    stimulus::Stimulus,
-    text::names::expected_one_of,
-};
+use crate::{experiment::faults::DefinitionErrors, statistics::shuffle, stimulus::Stimulus};
 
 options! {
     /// The method of constant stimuli: every level occurs equally often, in random order.
@@ -79,6 +74,20 @@ impl Adaptive {
         [self.common.parameter.as_str()].into_iter().chain(self.second().map(|second| second.parameter.as_str()))
     }
 
+    /// Returns what a trial can show at these levels.
+    pub(in crate::experiment) fn picks(&self, levels: &[f64]) -> Vec<Pick> {
+        match &self.method {
+            Method::QuestPlus(quest) => quest.picks(levels),
+            _ => levels.iter().map(|level| Pick::Level(*level, None)).collect(),
+        }
+    }
+
+    /// Returns the parameters with the levels that were chosen.
+    pub(in crate::experiment) fn named(&self, pick: Pick) -> Vec<(&str, f64)> {
+        let Pick::Level(level, second) = pick else { return Vec::new() };
+        self.parameters().zip([level].into_iter().chain(second)).collect()
+    }
+
     /// Returns the second parameter that the method varies.
     pub fn second(&self) -> Option<&Second> {
         if let Method::QuestPlus(quest) = &self.method { quest.second.as_ref() } else { None }
@@ -94,29 +103,26 @@ impl Adaptive {
     }
 
     /// Adds every error.
-    pub fn check(&self, stimulus: &Stimulus, factors: &[Factor], task: &dyn Kind, errors: &mut DefinitionErrors) {
-        for (place, name) in self.parameters().enumerate() {
-            let path = ["adaptive.parameter", "adaptive.second.parameter"][place];
-            if place == 1 && name == self.common.parameter {
-                errors.add(path, format!("{name} is varied already; expected another parameter"));
-                continue;
+    pub fn check(&self, given: &Given<'_>, task: &dyn Kind, errors: &mut DefinitionErrors) {
+        given.check_parameter("adaptive.parameter", &self.common.parameter, errors);
+        match self.second() {
+            Some(Second { parameter, .. }) if *parameter == self.common.parameter => {
+                let message = format!("{parameter} is varied already; expected another parameter");
+                errors.add("adaptive.second.parameter", message);
             }
-            if name.is_empty() || stimulus.get(name).is_none() {
-                let names: Vec<&str> = stimulus.parameters().iter().map(|parameter| parameter.name).collect();
-                let is =
-                    if name.is_empty() { "parameter is missing".to_owned() } else { format!("{name} is not known") };
-                errors.add(path, format!("{is}; {}", expected_one_of(name, &names)));
-            } else if factors.iter().any(|factor| factor.name == name) {
-                errors.add(path, format!("{name} is a factor; expected a parameter that no factor varies"));
-            }
+            Some(second) => _ = given.check_parameter("adaptive.second.parameter", &second.parameter, errors),
+            None => {}
         }
         errors.check_range("adaptive.trials", self.common.trials.into(), 1.0, 10_000.0, "the trials of a condition");
         match &self.method {
-            Method::Staircase(stairs) => stairs.check(&self.common, errors),
+            Method::Staircase(stairs) => stairs.check(&self.common, given, errors),
             Method::QuestPlus(quest) => quest.check(&self.common, task.guess(), errors),
             Method::Constant(constant) => self.check_constant(&constant.levels, errors),
         }
-        self.check_levels(stimulus, errors);
+        self.check_levels("adaptive.levels", &self.common.parameter, self.levels(), given.stimulus, errors);
+        if let Some(Second { parameter, levels, .. }) = self.second() {
+            self.check_levels("adaptive.second.levels", parameter, levels, given.stimulus, errors);
+        }
     }
 
     fn check_constant(&self, levels: &[f64], errors: &mut DefinitionErrors) {
@@ -132,35 +138,20 @@ impl Adaptive {
 
     /// Adds an error for each level that appears twice, that is not positive on a logarithmic scale, or that the stimulus
     /// cannot have.
-    fn check_levels(&self, stimulus: &Stimulus, errors: &mut DefinitionErrors) {
-        let (name, before) = (&self.common.parameter, errors.0.len());
-        let ends =
-            if let Method::Staircase(stairs) = &self.method { vec![stairs.low, stairs.high] } else { Vec::new() };
-        let second = self.second().map(|second| ("adaptive.second.levels", &second.parameter, &second.levels[..]));
-        let lists = [("adaptive.levels", name, self.levels()), ("adaptive", name, &ends)];
-        for (path, name, levels) in lists.into_iter().chain(second).filter(|(_, name, _)| stimulus.get(name).is_some())
-        {
-            for (i, level) in levels.iter().enumerate().filter(|(_, level)| !level.is_nan()) {
-                let message = match stimulus.clone().set(name, &(*level).into()) {
-                    Err(error) => error.to_string(),
-                    Ok(()) if self.common.log && *level <= 0.0 => {
-                        format!("level {level} is not above 0; expected positive levels, or log = false")
-                    }
-                    Ok(()) if ends.is_empty() && levels[..i].contains(level) => {
-                        format!("level {level} appears twice; expected each level once")
-                    }
-                    Ok(()) => continue,
-                };
-                let key = if ends.is_empty() { i.to_string() } else { ["low", "high"][i].to_owned() };
-                errors.add(format!("{path}.{key}"), message);
-            }
-        }
-        if let [low, high] = ends[..]
-            && errors.0.len() == before
-            && let Some(message) = whole_only(stimulus, name, [low, high])
-        {
-            let methods = "or the method constant or quest-plus, which shows listed levels only";
-            errors.add("adaptive.parameter", format!("{message}, {methods}"));
+    fn check_levels(&self, path: &str, name: &str, levels: &[f64], stimulus: &Stimulus, errors: &mut DefinitionErrors) {
+        let is_known = stimulus.get(name).is_some();
+        for (i, level) in levels.iter().enumerate().filter(|(_, level)| is_known && !level.is_nan()) {
+            let message = match stimulus.clone().set(name, &(*level).into()) {
+                Err(error) => error.to_string(),
+                Ok(()) if self.common.log && *level <= 0.0 => {
+                    format!("level {level} is not above 0; expected positive levels, or log = false")
+                }
+                Ok(()) if levels[..i].contains(level) => {
+                    format!("level {level} appears twice; expected each level once")
+                }
+                Ok(()) => continue,
+            };
+            errors.add(format!("{path}.{i}"), message);
         }
     }
 }
@@ -211,7 +202,7 @@ impl Track {
     pub fn is_over(&self) -> bool {
         match self {
             Self::Stairs(staircase, _, stairs) => stairs.is_over(staircase),
-            Self::Quest(options, quest) => options.stop_width.is_some_and(|width| quest.width() <= width),
+            Self::Quest(options, quest) => options.stop_width.is_some_and(|width| quest.width <= width),
             Self::Levels(levels, done) => *done >= levels.len(),
             Self::Ranking(_) => false,
         }
@@ -221,7 +212,7 @@ impl Track {
     pub fn pick(&self, draw: f64) -> Pick {
         match self {
             Self::Stairs(.., stairs) => Pick::Level(stairs.level, None),
-            Self::Quest(options, quest) => level(options, quest.choose()),
+            Self::Quest(options, quest) => options.picks(&options.levels)[quest.choose()],
             Self::Levels(levels, done) => levels.get(*done).map_or(Pick::Planned, |level| Pick::Level(*level, None)),
             Self::Ranking(ranking) => Pick::Pair(ranking.choose(draw)),
         }
@@ -232,8 +223,9 @@ impl Track {
         match (self, pick) {
             (Self::Quest(_, quest), _) if is_catch => quest.learn(None, outcome),
             (Self::Stairs(staircase, common, stairs), _) if !is_catch => stairs.answer(outcome, staircase, common),
-            (Self::Quest(options, quest), Pick::Level(x, y)) => {
-                index(options, x, y).into_iter().for_each(|index| quest.learn(Some(index), outcome));
+            (Self::Quest(options, quest), _) => {
+                let place = options.picks(&options.levels).iter().position(|other| *other == pick);
+                place.into_iter().for_each(|place| quest.learn(Some(place), outcome));
             }
             (Self::Levels(_, done), _) if !is_catch => *done += 1,
             (Self::Ranking(ranking), Pick::Pair([left, right])) => {
@@ -242,26 +234,5 @@ impl Track {
             }
             _ => {}
         }
-    }
-}
-
-/// Returns the level with a number in QUEST+.
-fn level(quest: &QuestPlus, index: usize) -> Pick {
-    match &quest.second {
-        None => Pick::Level(quest.levels[index], None),
-        Some(second) => {
-            let count = second.levels.len();
-            Pick::Level(quest.levels[index / count], Some(second.levels[index % count]))
-        }
-    }
-}
-
-/// Returns the number of a level in QUEST+.
-fn index(quest: &QuestPlus, x: f64, y: Option<f64>) -> Option<usize> {
-    let place = |levels: &[f64], of: f64| levels.iter().position(|level| *level == of);
-    let first = place(&quest.levels, x)?;
-    match (&quest.second, y) {
-        (Some(second), Some(y)) => Some(first * second.levels.len() + place(&second.levels, y)?),
-        _ => Some(first),
     }
 }

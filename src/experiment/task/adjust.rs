@@ -1,15 +1,18 @@
 //! Adjustment: participants change one parameter until a criterion holds.
 
-use std::iter::once;
-
 use super::{
     kind::{Answer, Dial, Given, Kind, Measures, Presentation, Senses, Turn, at_level},
     options::{OptionValue, options},
 };
-use crate::experiment::{faults::DefinitionErrors, scale::ResponseScale};
+use crate::{
+    experiment::{faults::DefinitionErrors, scale::ResponseScale},
+    stimulus::is_direction,
+};
 
 /// The share of the range, at either end, in which an adjustment begins.
 const START: f64 = 0.3;
+/// Directions that span this or more, degrees, have no mean.
+const HALF_TURN: f64 = 180.0;
 /// Number of steps between the values that a simulated observer tries.
 const TRIED: u32 = 40;
 
@@ -41,13 +44,17 @@ impl Kind for Adjust {
     }
 
     fn check(&self, given: &Given<'_>, errors: &mut DefinitionErrors) {
-        if self.parameter.is_empty() {
-            let names: Vec<&str> = given.stimulus.parameters().iter().map(|parameter| parameter.name).collect();
-            let message = format!("task.parameter is missing; expected one of {}", names.join(", "));
-            errors.add("task.parameter", message);
+        let Self { parameter, low, high, step, log } = self;
+        if !given.check_parameter("task.parameter", parameter, errors) {
             return;
         }
-        given.check_dial(&self.own_dial(), errors);
+        given.check_span("task", (parameter, *log), [*low, *high], [("task.step".to_owned(), *step)], errors);
+        if high - low >= HALF_TURN && is_direction(parameter) {
+            let message = format!(
+                "{parameter} from {low} to {high} goes around half a turn or more, where settings have no mean; expected less than {HALF_TURN}°"
+            );
+            errors.add("task.high", message);
+        }
     }
 
     fn dial(&self) -> Option<Dial> {
@@ -64,34 +71,28 @@ impl Kind for Adjust {
         Presentation { start: Some(start), ..Presentation::of(at_level(turn.target(), &self.parameter, start)) }
     }
 
-    /// The observer turns the dial from its start toward the farther end, and then toward the other one, until what they
-    /// see crosses the criterion. If it never does, they set where it comes closest.
+    /// The observer sets the value nearest to the start at which what they see crosses the criterion; if it never does, they
+    /// set where it comes closest.
     fn answer(&self, shown: &Presentation, senses: Senses<'_>) -> Answer {
         let (dial, start) = (self.own_dial(), shown.start.unwrap_or_default());
         let Senses { noisy, mean, criterion } = senses;
-        let seen = |value: f64| mean(&at_level(shown.stimuli[0].clone(), &self.parameter, value));
         // The noise of one look moves the criterion of this trial; less than nothing cannot be seen.
         let criterion = (criterion + noisy(&shown.stimuli[0]) - mean(&shown.stimuli[0])).max(0.0);
-        let start = (dial.share(start), seen(start) - criterion);
         // The same values in every trial, so that an observer may remember what it saw.
         let tried: Vec<(f64, f64)> = (0..=TRIED)
             .map(|i| f64::from(i) / f64::from(TRIED))
-            .map(|share| (share, seen(dial.at(share)) - criterion))
+            .map(|share| {
+                (share, mean(&at_level(shown.stimuli[0].clone(), &self.parameter, dial.at(share))) - criterion)
+            })
             .collect();
-        let crossing = |way: Vec<(f64, f64)>| {
-            let is_across = |pair: &&[(f64, f64)]| (pair[0].1 > 0.0) != (pair[1].1 > 0.0);
-            let between = |pair: &[(f64, f64)]| {
-                let [(from, over), (to, under)] = [pair[0], pair[1]];
-                from + (to - from) * over / (over - under)
-            };
-            way.windows(2).find(is_across).map(between)
-        };
-        let up = || crossing(once(start).chain(tried.iter().copied().filter(|next| next.0 > start.0)).collect());
-        let down =
-            || crossing(once(start).chain(tried.iter().rev().copied().filter(|next| next.0 < start.0)).collect());
-        let found = if start.0 < 0.5 { up().or_else(down) } else { down().or_else(up) };
-        let nearest = |best: (f64, f64), next: &(f64, f64)| if next.1.abs() < best.1.abs() { *next } else { best };
-        Answer::Value(dial.at(found.unwrap_or_else(|| tried.iter().fold(start, nearest).0)))
+        let crossings = tried.windows(2).filter(|pair| (pair[0].1 > 0.0) != (pair[1].1 > 0.0)).map(|pair| {
+            let [(from, over), (to, under)] = [pair[0], pair[1]];
+            from + (to - from) * over / (over - under)
+        });
+        let distance = |share: &f64| (share - dial.share(start)).abs();
+        let found = crossings.min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let closest = || tried.iter().min_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).map(|(share, _)| *share);
+        Answer::Value(dial.at(found.or_else(closest).unwrap_or_default()))
     }
 
     fn measures(&self) -> Measures {

@@ -11,7 +11,8 @@ use crate::{
         faults::DefinitionErrors,
         scale::ResponseScale,
     },
-    stimulus::{ParameterError, ParameterValue, Stimulus, is_direction},
+    stimulus::{ParameterError, ParameterValue, Stimulus},
+    text::names::expected_one_of,
 };
 
 /// Parameters of a stimulus and their values, as in `reference = { depth = "inf" }`.
@@ -164,7 +165,7 @@ impl Presentation {
 }
 
 /// What is known about a trial before it is shown.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Turn<'a> {
     /// The condition of the trial; for a pair without a reference, the stimulus on the left.
     pub condition: &'a Condition,
@@ -174,17 +175,15 @@ pub struct Turn<'a> {
     pub place: u32,
     /// Drawn in advance for each trial, uniform in 0…1.
     pub draw: f64,
-    /// Parameter and value that the adaptive method chose.
-    pub level: Option<(&'a str, f64)>,
-    /// Its second parameter and value.
-    pub second: Option<(&'a str, f64)>,
+    /// The parameter and the value that the adaptive method chose, and those of its second parameter.
+    pub levels: Vec<(&'a str, f64)>,
 }
 
 impl Turn<'_> {
     /// Returns the stimulus of the condition at the chosen level.
     pub fn target(&self) -> Stimulus {
-        let levels = self.level.into_iter().chain(self.second);
-        levels.fold(self.condition.stimulus.clone(), |stimulus, (name, level)| at_level(stimulus, name, level))
+        let stimulus = self.condition.stimulus.clone();
+        self.levels.iter().fold(stimulus, |stimulus, (name, level)| at_level(stimulus, name, *level))
     }
 
     /// Returns that stimulus, and the same one with the parameters of a reference.
@@ -196,7 +195,7 @@ impl Turn<'_> {
 
     /// Shows these stimuli, with the target at a place or interval counted from 1, or nowhere.
     pub fn shows(&self, stimuli: Vec<Stimulus>, target: u32) -> Presentation {
-        let level = self.level.map(|(_, level)| level);
+        let level = self.levels.first().map(|(_, level)| *level);
         Presentation { stimuli, target: Some(target), level, ..Presentation::default() }
     }
 }
@@ -208,15 +207,6 @@ pub(in crate::experiment) fn at_level(mut stimulus: Stimulus, name: &str, level:
     stimulus
 }
 
-/// Returns what is wrong if a parameter cannot have the numbers between two that it can have.
-pub(super) fn whole_only(stimulus: &Stimulus, name: &str, [low, high]: [f64; 2]) -> Option<String> {
-    // No whole number lies at an irrational share of the way from one to another. Without both ends, that is told.
-    let between = Some(low + (high - low) / 7.0_f64.sqrt()).filter(|between| between.is_finite())?;
-    stimulus.get(name)?;
-    stimulus.clone().set(name, &between.into()).err()?;
-    Some(format!("{name} has whole numbers only; expected a parameter that can have every number from {low} to {high}"))
-}
-
 /// An answer.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Answer {
@@ -226,25 +216,19 @@ pub enum Answer {
     Value(f64),
 }
 
-/// Directions that are this far apart, in degrees, have no mean.
-const HALF_TURN: f64 = 180.0;
-
 /// The part of a definition that a task is checked against.
 pub struct Given<'a> {
     /// The stimulus before any factor is set.
     pub stimulus: &'a Stimulus,
     /// The factors.
     pub factors: &'a [Factor],
+    /// The number of conditions.
+    pub conditions: usize,
     /// The parameters that an adaptive method varies.
     pub adapted: Vec<&'a str>,
 }
 
 impl Given<'_> {
-    /// Returns whether the conditions are listed, as pictures are, so that factors are not crossed.
-    pub fn is_listed(&self) -> bool {
-        matches!(self.stimulus, Stimulus::Image(_))
-    }
-
     /// Adds an error for each parameter of a reference that the stimulus lacks or that cannot have its value. A factor
     /// can be one of them: then the reference has the same level of it in all conditions.
     pub fn check_reference(&self, reference: &Settings, errors: &mut DefinitionErrors) {
@@ -261,43 +245,59 @@ impl Given<'_> {
         }
     }
 
-    /// Adds an error if the ends of a dial are not values of its parameter.
-    pub fn check_dial(&self, dial: &Dial, errors: &mut DefinitionErrors) {
-        let name = dial.parameter.as_deref().unwrap_or_default();
-        if self.factors.iter().any(|factor| factor.name == name) {
-            let message = format!("{name} is a factor; expected a parameter that no factor varies");
-            errors.add("task.parameter", message);
-        }
-        let ([low, high], before) = (dial.range, errors.0.len());
-        for (key, value) in [("low", low), ("high", high)] {
-            if let Err(error) = self.stimulus.clone().set(name, &value.into()) {
-                if self.stimulus.get(name).is_none() {
-                    errors.add("task.parameter", error.to_string());
-                    break;
+    /// Adds an error if a parameter is missing, not known, or varied by a factor, and returns whether it is none of these.
+    pub fn check_parameter(&self, path: &str, name: &str, errors: &mut DefinitionErrors) -> bool {
+        let message = if self.stimulus.get(name).is_none() {
+            let names: Vec<&str> = self.stimulus.parameters().iter().map(|parameter| parameter.name).collect();
+            let is = if name.is_empty() { "parameter is missing".to_owned() } else { format!("{name} is not known") };
+            format!("{is}; {}", expected_one_of(name, &names))
+        } else if self.factors.iter().any(|factor| factor.name == name) {
+            format!("{name} is a factor; expected a parameter that no factor varies")
+        } else {
+            return true;
+        };
+        errors.add(path, message);
+        false
+    }
+
+    /// Adds every error of the range of a parameter and of the steps through it, each with its path.
+    pub fn check_span(
+        &self,
+        table: &str,
+        (name, log): (&str, bool),
+        [low, high]: [f64; 2],
+        steps: impl IntoIterator<Item = (String, f64)>,
+        errors: &mut DefinitionErrors,
+    ) {
+        let before = errors.0.len();
+        for (key, end) in [("low", low), ("high", high)].into_iter().filter(|(_, end)| !end.is_nan()) {
+            let message = match self.stimulus.clone().set(name, &end.into()) {
+                Err(error) => error.to_string(),
+                Ok(()) if log && end <= 0.0 => {
+                    format!("{key} {end} is not above 0; expected a positive number, or log = false")
                 }
-                errors.add(format!("task.{key}"), error.to_string());
-            }
-        }
-        if let Some(message) = whole_only(self.stimulus, name, dial.range).filter(|_| errors.0.len() == before) {
-            errors.add("task.parameter", message);
+                Ok(()) => continue,
+            };
+            errors.add(format!("{table}.{key}"), message);
         }
         if low >= high {
-            errors.add("task.high", format!("high {high} is not above low {low}; expected a higher number"));
+            errors
+                .add(format!("{table}.high"), format!("high {high} is not above low {low}; expected a higher number"));
         }
-        if high - low >= HALF_TURN && is_direction(name) {
-            let message = format!(
-                "{name} from {low} to {high} goes around half a turn or more, where settings have no mean; expected less than {HALF_TURN}°"
-            );
-            errors.add("task.high", message);
+        // No whole number lies at an irrational share of the way from one to another.
+        let between = low + (high - low) / 7.0_f64.sqrt();
+        if errors.0.len() == before && between.is_finite() && self.stimulus.clone().set(name, &between.into()).is_err()
+        {
+            let expected = format!("expected a parameter that can have every number from {low} to {high}");
+            errors.add(format!("{table}.parameter"), format!("{name} has whole numbers only; {expected}"));
         }
-        if dial.log && low <= 0.0 {
-            let message =
-                format!("low {low} is not above 0; expected a positive number, because the scale is logarithmic");
-            errors.add("task.low", message);
-        }
-        let span = if dial.log { (high / low).log10() } else { high - low };
+        let (span, unit) =
+            if log { ((high / low).log10(), "base-10 logarithms") } else { (high - low, "units of the parameter") };
         let most = if span > 0.0 { significant(span) } else { f64::INFINITY };
-        errors.check_range("task.step", dial.step, 1e-9, most, "a size, at most the distance from low to high");
+        for (path, step) in steps {
+            let meaning = format!("a size in {unit}, at most the distance from low to high");
+            errors.check_range(&path, step, 1e-6, most, &meaning);
+        }
     }
 }
 

@@ -32,6 +32,7 @@ pub use staircase::{Staircase, Stairs};
 pub use yes_no::YesNo;
 
 use options::kinds;
+pub(super) use options::options;
 
 use super::{scale::ResponseScale, texts::Texts};
 
@@ -103,16 +104,13 @@ impl Task {
         if texts.task != self.instructions() {
             return;
         }
-        let (seen, answer) = match self.layout() {
-            _ if self.dial().is_some() => {
-                ("one image at a time", "Set the slider with the mouse or with the arrow keys, and press Enter.")
-            }
-            Layout::Single => ("one image at a time", "Report what you see."),
-            Layout::Places(_) => ("several images at the same time", "If you are not sure, guess."),
-            Layout::Intervals { .. } => ("several images, one after the other", "If you are not sure, guess."),
+        let (seen, guess) = match self.layout() {
+            Layout::Single => ("one image at a time", ""),
+            Layout::Places(_) => ("several images at the same time", " If you are not sure, guess."),
+            Layout::Intervals { .. } => ("several images, one after the other", " If you are not sure, guess."),
         };
         texts.task = format!(
-            "You will see {seen}. Each time, answer this question: {question} {answer}\n\nIn between, the screen shows one even color while your eyes recover."
+            "You will see {seen}. Each time, answer this question: {question}{guess}\n\nIn between, the screen shows one even color while your eyes recover."
         );
     }
 

@@ -1,9 +1,9 @@
-//! The options of tasks and methods, as definitions have them and a form lists them.
+//! The options of the tables of a definition, as a form lists them.
 
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-/// An option of a task or of an adaptive method.
+/// An option in a table of a definition.
 #[derive(Clone, Copy, Debug)]
 pub struct TaskOption {
     /// The key in the table of a definition. A key in a table of its own, such as `second.levels`, is an option only if
@@ -34,11 +34,13 @@ pub enum OptionValue {
     Parameter(bool),
     /// A factor, or none.
     Factor,
+    /// An order of the trials.
+    Order,
     /// Parameters of the stimulus and their values.
     Settings,
 }
 
-/// Declares the options of a task or of a method: a struct with a field for each of them, and how a form lists them. A last
+/// Declares the options of a table of a definition: a struct with a field for each of them, and how a form lists them. A last
 /// field can be a table that is not always there, with the options in it.
 macro_rules! options {
     (
@@ -66,18 +68,18 @@ macro_rules! options {
 
         impl $name {
             /// The options, as a form lists them.
-            pub const OPTIONS: &[$crate::experiment::task::options::TaskOption] = &[
-                $($crate::experiment::task::options::TaskOption {
+            pub const OPTIONS: &[$crate::experiment::task::TaskOption] = &[
+                $($crate::experiment::task::TaskOption {
                     key: stringify!($field), label: $label, value: $value, about: $about
                 },)*
-                $($($crate::experiment::task::options::TaskOption {
+                $($($crate::experiment::task::TaskOption {
                     key: $key, label: $key_label, value: $key_value, about: $key_about
                 },)*)?
             ];
         }
     };
 }
-pub(super) use options;
+pub(in crate::experiment) use options;
 
 /// Reads the options of a task or of a method from a table, whatever their type.
 pub trait OptionReader {
@@ -134,7 +136,7 @@ macro_rules! kinds {
 
             /// Returns the options of the kind `name`, in the order in which a form lists them; none if there is no such
             /// kind.
-            pub fn options(name: &str) -> &'static [$crate::experiment::task::options::TaskOption] {
+            pub fn options(name: &str) -> &'static [$crate::experiment::task::TaskOption] {
                 match name {
                     $($name => <$kind>::OPTIONS,)*
                     _ => &[],

@@ -93,20 +93,17 @@ impl Kind for Pair {
             let message = "task.reference needs a method that varies the target; expected [adaptive], or no reference";
             errors.add("task.reference", message);
         }
-        let levels = given.factors.iter().map(|factor| factor.levels.len());
-        let conditions = levels.fold(1, usize::saturating_mul);
+        let conditions = given.conditions;
         let most = if self.pairs == Pairs::Adaptive { MAX_RANKED } else { MAX_COMPARED };
-        // Why there are no pictures was told when they were read.
-        if conditions == 1 || conditions == 0 && !given.is_listed() {
+        if conditions < 2 {
             errors.add("factors", "there is nothing to compare; expected factors with at least two conditions");
-        } else if conditions > most && !given.is_listed() {
+        } else if conditions > most {
             errors.add(
                 "factors",
                 format!("the number of conditions to compare is {conditions}; expected at most {most}"),
             );
         }
-        let are_known = !(given.is_listed() && given.factors.is_empty());
-        if is_chain && self.chained(given.factors).is_none() && are_known {
+        if is_chain && self.chained(given.factors).is_none() {
             let names: Vec<&str> = given.factors.iter().map(|factor| factor.name.as_str()).collect();
             let message = match &self.along {
                 Some(along) => format!("along {along:?} is not a factor; {}", expected_one_of(along, &names)),

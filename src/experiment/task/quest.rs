@@ -7,6 +7,7 @@ use serde::{Deserialize, Deserializer, Serialize, de::Error as _};
 
 use super::{
     curve::{Common, Curve, Psychometric},
+    kind::Pick,
     options::{OptionValue, options},
 };
 use crate::experiment::faults::DefinitionErrors;
@@ -112,10 +113,8 @@ impl QuestPlus {
         }
         if let Some(width) = self.stop_width {
             errors.check_range("adaptive.stop_width", width, 1e-6, 1e6, "the width of an interval");
-            let mut thresholds = self.grid(common, guess).thresholds;
-            thresholds.sort_by(f64::total_cmp);
-            let at = |share: f64| thresholds[((share * thresholds.len() as f64).ceil() as usize).saturating_sub(1)];
-            let before = if thresholds.is_empty() { 0.0 } else { at((1.0 + SHARE) / 2.0) - at((1.0 - SHARE) / 2.0) };
+            let thresholds = self.grid(common, guess).thresholds;
+            let before = central(thresholds.iter().map(|threshold| (*threshold, 1.0 / thresholds.len() as f64)));
             if width >= before {
                 let unit = if common.log { " (base-10 logarithms)" } else { "" };
                 let message = format!(
@@ -138,14 +137,22 @@ impl QuestPlus {
         }
     }
 
-    /// Returns the levels that a trial can have, with those of the second parameter.
+    /// Returns what a trial can show at these levels: each with each of the second parameter.
+    pub(super) fn picks(&self, levels: &[f64]) -> Vec<Pick> {
+        let second = |second: &Second| second.levels.iter().copied().map(Some).collect();
+        let seconds: Vec<Option<f64>> = self.second.as_ref().map_or_else(|| vec![None], second);
+        levels.iter().flat_map(|x| seconds.iter().map(|y| Pick::Level(*x, *y))).collect()
+    }
+
+    /// Returns the levels on the scale of the method, with the distances of those of the second parameter from their middle.
     fn stimuli(&self, common: &Common) -> Vec<(f64, f64)> {
-        let Some(second) = &self.second else { return self.levels.iter().map(|x| (common.scaled(*x), 0.0)).collect() };
-        let scaled: Vec<f64> = second.levels.iter().map(|y| common.scaled(*y)).collect();
-        let ends = [f64::min, f64::max].map(|end| scaled.iter().copied().fold(f64::NAN, end));
-        let middle = (ends[0] + ends[1]) / 2.0;
-        let pairs = self.levels.iter().flat_map(|x| scaled.iter().map(|y| (common.scaled(*x), y - middle)));
-        pairs.collect()
+        let seconds = self.second.iter().flat_map(|second| &second.levels).map(|y| common.scaled(*y));
+        let [low, high] = [f64::min, f64::max].map(|end| seconds.clone().fold(f64::NAN, end));
+        let stimulus = |pick| match pick {
+            Pick::Level(x, y) => (common.scaled(x), y.map_or(0.0, |y| common.scaled(y) - (low + high) / 2.0)),
+            _ => (f64::NAN, 0.0),
+        };
+        self.picks(&self.levels).into_iter().map(stimulus).collect()
     }
 
     fn grid(&self, common: &Common, guess: Option<f64>) -> Grid {
@@ -226,7 +233,8 @@ struct Tables {
 pub struct Quest {
     tables: Arc<Tables>,
     posterior: Vec<f64>,
-    width: f64,
+    /// The width of the 95 % interval of the threshold, as far apart as the grid tells.
+    pub width: f64,
 }
 
 /// −p ln p.
@@ -296,23 +304,22 @@ impl Quest {
         self.posterior.iter().zip(&self.tables.cells).map(|(p, (one, _))| p * of(one)).sum()
     }
 
-    /// Returns the width of the 95 % interval of the threshold, as far apart as the grid tells.
-    pub fn width(&self) -> f64 {
-        self.width
-    }
-
     fn interval(&self) -> f64 {
-        let mut marginal: Vec<(f64, f64)> =
-            self.tables.cells.iter().zip(&self.posterior).map(|((one, _), p)| (one.threshold, *p)).collect();
-        marginal.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let at = |share: f64| {
-            let mut sum = 0.0;
-            marginal.iter().find(|(_, p)| {
-                sum += p;
-                sum >= share
-            })
-        };
-        let ends = [at((1.0 - SHARE) / 2.0), at((1.0 + SHARE) / 2.0)];
-        if let [Some(low), Some(high)] = ends { high.0 - low.0 } else { f64::INFINITY }
+        central(self.tables.cells.iter().zip(&self.posterior).map(|((one, _), p)| (one.threshold, *p)))
     }
+}
+
+/// Returns the width of the central interval of thresholds with these probabilities.
+fn central(thresholds: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let mut marginal: Vec<(f64, f64)> = thresholds.collect();
+    marginal.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let at = |share: f64| {
+        let mut sum = 0.0;
+        marginal.iter().find(|(_, p)| {
+            sum += p;
+            sum >= share
+        })
+    };
+    let ends = [at((1.0 - SHARE) / 2.0), at((1.0 + SHARE) / 2.0)];
+    if let [Some(low), Some(high)] = ends { high.0 - low.0 } else { f64::INFINITY }
 }

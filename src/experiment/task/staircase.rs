@@ -2,7 +2,7 @@
 
 use super::{
     curve::Common,
-    kind::significant,
+    kind::Given,
     options::{OptionValue, options},
 };
 use crate::experiment::faults::DefinitionErrors;
@@ -25,19 +25,13 @@ options! {
 
 impl Staircase {
     /// Adds every error.
-    pub(super) fn check(&self, common: &Common, errors: &mut DefinitionErrors) {
-        let named = [("start", self.start), ("low", self.low), ("high", self.high)];
-        for (key, _) in named.iter().filter(|(_, value)| value.is_nan()) {
+    pub(super) fn check(&self, common: &Common, given: &Given<'_>, errors: &mut DefinitionErrors) {
+        let Self { start, low, high, .. } = *self;
+        for (key, _) in [("start", start), ("low", low), ("high", high)].iter().filter(|(_, value)| value.is_nan()) {
             errors.add(format!("adaptive.{key}"), format!("adaptive.{key} is missing; expected {key} = …"));
         }
-        if self.low >= self.high {
-            errors.add(
-                "adaptive.high",
-                format!("high {} is not above low {}; expected a higher number", self.high, self.low),
-            );
-        } else if self.start < self.low || self.start > self.high {
-            let range = format!("{}…{}", self.low, self.high);
-            let message = format!("start {} is outside {range}; expected a level in this range", self.start);
+        if low < high && (start < low || start > high) {
+            let message = format!("start {start} is outside {low}…{high}; expected a level in this range");
             errors.add("adaptive.start", message);
         }
         for (key, count) in [("down", self.down), ("up", self.up), ("reversals", self.reversals.unwrap_or(1))] {
@@ -47,12 +41,9 @@ impl Staircase {
         if self.steps.is_empty() {
             errors.add("adaptive.steps", "steps is empty; expected at least one size");
         }
-        let unit = if common.log { "base-10 logarithms of the level" } else { "units of the level" };
-        let range = common.scaled(self.high) - common.scaled(self.low);
-        let most = if range > 0.0 { significant(range) } else { f64::INFINITY };
-        for (i, step) in self.steps.iter().enumerate() {
-            let meaning = format!("a size in {unit}, at most the distance from low to high");
-            errors.check_range(&format!("adaptive.steps.{i}"), *step, 1e-6, most, &meaning);
+        let steps = self.steps.iter().enumerate().map(|(i, step)| (format!("adaptive.steps.{i}"), *step));
+        if given.stimulus.get(&common.parameter).is_some() {
+            given.check_span("adaptive", (&common.parameter, common.log), [low, high], steps, errors);
         }
     }
 }

@@ -10,7 +10,7 @@ pub use numbers::{
 };
 pub use shown::Shown;
 
-use crate::report::figures::Figure;
+use crate::{report::figures::Figure, store::FileError};
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Document {
@@ -139,6 +139,19 @@ impl Section {
         let rows: Vec<[Shown; 2]> = rows.into_iter().map(|(name, value)| [name.into(), value.into()]).collect();
         let table = TableOf::new(caption, &rows);
         table.text("What", |[name, _]| name.clone()).text("Value", |[_, value]| value.clone()).add_to(self);
+    }
+
+    /// Lists what is wrong with the files, and what should be known about them.
+    pub fn problems(&mut self, errors: &[FileError], warnings: &[FileError]) {
+        for (problems, what) in [
+            (errors, "Rows or sessions with errors were left out; the rest was analyzed."),
+            (warnings, "These files were analyzed despite the following warnings."),
+        ] {
+            if !problems.is_empty() {
+                self.warning(what);
+                self.list(problems.iter().map(ToString::to_string).collect());
+            }
+        }
     }
 
     /// Adds the charts with these names, in this order.

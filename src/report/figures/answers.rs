@@ -1,5 +1,4 @@
-//! Charts of the answers: how often each category was used, with one bar for each level of a factor, and how long they
-//! took.
+//! A chart of the answers: how often each category was used, with one bar for each level of a factor.
 
 use super::{
     axes::{EDGE, Levels, PANEL, Values, beside, legend},
@@ -7,12 +6,10 @@ use super::{
     labels::{self, chosen, evenly},
     palette::{Marker, Series, category},
     svg::WIDTH,
-    tasks::estimates,
 };
 use crate::{
-    analysis::{Results, counts::Quartiles, summary::by_levels},
-    report::{document::count, names},
-    statistics::Interval,
+    analysis::{Results, summary::by_levels},
+    report::names,
 };
 
 /// Maximum number of categories in the legend; readers can interpolate the colors in between.
@@ -32,7 +29,7 @@ pub(super) fn proportions(results: &Results) -> Option<Figure> {
     let levels = Levels::evenly(&bars, is_ordered);
     let (by, across) = factor.map_or_else(Default::default, |factor| {
         let name = &factor.name;
-        (format!(" by {}", labels::in_sentence(results, name)), names::axis(results.options.parameters, name))
+        (format!(" by {}", labels::in_sentence(results, name)), names::axis(results, name))
     });
     let title = format!("How often each rating was given{by}");
     let caption = format!("Proportions of the ratings; {}.", labels::sample(results));
@@ -62,23 +59,4 @@ pub(super) fn proportions(results: &Results) -> Option<Figure> {
         }
         legend(svg, &panel, "Rating", &series, false);
     }))
-}
-
-/// Draws `times`, if response times are known.
-pub(super) fn times(results: &Results) -> Option<Figure> {
-    let counts = &results.measured.counts;
-    let n: u64 = results.times.iter().flatten().map(|quartiles| quartiles.n).sum();
-    let caption = format!(
-        "Markers are medians, with bars from the lower to the upper quartile; {}, {}.",
-        count(results.people() as u64, "participant"),
-        count(n, "response time"),
-    );
-    let value = |times: Quartiles| (times.median, Some(Interval { low: times.lower, high: times.upper }));
-    let (by, places, times): (_, _, Vec<Option<Quartiles>>) = if results.is_inferential() {
-        ("participant", &counts.subjects, results.subjects.iter().map(|subject| subject.times).collect())
-    } else {
-        ("rating", &counts.categories, results.times.clone())
-    };
-    let series = (String::new(), times.into_iter().map(|times| times.map(value)).collect());
-    estimates("times", places, &[series], (&format!("Response times by {by}"), "Response time (s)", caption))
 }

@@ -32,6 +32,8 @@ const MAX_BESIDE: f64 = 180.0;
 const BESIDE: f64 = 24.0;
 /// Width of a sample in a legend, with the space after it.
 const SAMPLE: f64 = 56.0;
+/// Text below a tick or a panel.
+const BELOW: Font = Font { below: true, ..Font::new(Anchor::Middle) };
 /// Maximum number of ticks without a name.
 const MAX_TICKS: usize = 40;
 
@@ -123,7 +125,11 @@ impl Values {
         if let Some(title) = title {
             let x = (panel.left - TICK - 8.0 - self.widest() - 0.75 * TEXT).max(EDGE + 0.5 * TEXT);
             let title = labels::fit(title, panel.bottom - panel.top + 80.0);
-            svg.text(&title, (x, (panel.top + panel.bottom) / 2.0), Font::new(Anchor::Middle).upright());
+            svg.text(
+                &title,
+                (x, (panel.top + panel.bottom) / 2.0),
+                Font { upright: true, ..Font::new(Anchor::Middle) },
+            );
         }
     }
 }
@@ -189,7 +195,7 @@ impl Levels {
     /// Draws the axis, ticks, names and title below a panel.
     pub fn draw(&self, svg: &mut Svg, panel: &Panel, title: &str) {
         let (upright, names, height) = self.labels(panel.width());
-        let font = if upright { Font::new(Anchor::End).upright() } else { Font::new(Anchor::Middle).below() };
+        let font = if upright { Font { upright: true, ..Font::new(Anchor::End) } } else { BELOW };
         for (at, name) in self.at.iter().zip(names) {
             if name.is_some() || self.at.len() <= MAX_TICKS {
                 tick(svg, panel, *at, name.as_deref().unwrap_or_default(), font);
@@ -219,7 +225,7 @@ pub(super) fn legend(svg: &mut Svg, panel: &Panel, heading: &str, series: &[(Ser
     let at = |line: usize| (panel.right + BESIDE, panel.top + 0.5 * TEXT + line as f64 * pitch);
     if first > 0 {
         let heading = labels::fit(heading, SAMPLE + MAX_BESIDE);
-        svg.text(&heading, at(0), Font::new(Anchor::Start).bold());
+        svg.text(&heading, at(0), Font { bold: true, ..Font::new(Anchor::Start) });
     }
     for (line, (series, name)) in (first..).zip(series) {
         svg.legend_entry(at(line), *series, lined, &labels::fit(name, MAX_BESIDE));
@@ -236,7 +242,7 @@ fn base(svg: &mut Svg, panel: &Panel, height: f64, title: &str) {
     svg.line(&[(panel.left, panel.bottom), (panel.right, panel.bottom)], AXIS);
     let center = panel.x(0.5);
     let title = labels::fit(title, 2.0 * (center.min(WIDTH - center) - EDGE));
-    svg.text(&title, (center, panel.bottom + TICK + 16.0 + height), Font::new(Anchor::Middle).below());
+    svg.text(&title, (center, panel.bottom + TICK + 16.0 + height), BELOW);
 }
 
 fn tick(svg: &mut Svg, panel: &Panel, share: f64, name: &str, font: Font) {
@@ -252,7 +258,7 @@ pub(super) fn number_axis(svg: &mut Svg, panel: &Panel, (low, high): (f64, f64),
     for value in ticks(low, high, (panel.width() / 80.0) as usize) {
         let share = (value - low) / (high - low);
         svg.line(&[(panel.x(share), panel.top), (panel.x(share), panel.bottom)], GRID);
-        tick(svg, panel, share, &plain(value), Font::new(Anchor::Middle).below());
+        tick(svg, panel, share, &plain(value), BELOW);
     }
     base(svg, panel, TEXT, title);
 }

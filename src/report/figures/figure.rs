@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
+use anyhow::Context as _;
 use png::{ColorType, Compression, Encoder, Filter};
 use resvg::{
     tiny_skia::{Pixmap, Transform},
@@ -10,7 +11,6 @@ use resvg::{
         fontdb::{Database, Source},
     },
 };
-use thiserror::Error;
 
 use super::svg::{Plotted, Svg};
 
@@ -47,7 +47,7 @@ impl Figure {
     ///
     /// # Errors
     /// The drawing cannot be rendered or encoded.
-    pub fn png(&self) -> Result<Vec<u8>, FigureError> {
+    pub fn png(&self) -> anyhow::Result<Vec<u8>> {
         let pixels = self.pixels(1600)?;
         let mut bytes = Vec::new();
         let mut encoder = Encoder::new(&mut bytes, pixels.width, pixels.height);
@@ -66,12 +66,13 @@ impl Figure {
     ///
     /// # Errors
     /// The drawing cannot be rendered.
-    pub fn pixels(&self, width: u32) -> Result<Pixels, FigureError> {
+    pub fn pixels(&self, width: u32) -> anyhow::Result<Pixels> {
         let options = Options { fontdb: fonts(), font_family: "Noto Sans".to_owned(), ..Options::default() };
         let tree = Tree::from_str(&self.svg, &options)?;
         let scale = width as f32 / tree.size().width();
         let height = (tree.size().height() * scale).ceil() as u32;
-        let mut pixmap = Pixmap::new(width, height).ok_or(FigureError::Size(width, height))?;
+        let mut pixmap = Pixmap::new(width, height)
+            .with_context(|| format!("the chart is {width} × {height}; expected a size that fits in memory"))?;
         // The background covers the last row entirely.
         let down = height as f32 / tree.size().height();
         resvg::render(&tree, Transform::from_scale(scale, down), &mut pixmap.as_mut());
@@ -79,20 +80,6 @@ impl Figure {
         let rgb = pixmap.data().as_chunks::<4>().0.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
         Ok(Pixels { width, height, rgb })
     }
-}
-
-/// The reasons why a chart cannot be rendered as pixels.
-#[derive(Debug, Error)]
-pub enum FigureError {
-    /// The SVG is not valid.
-    #[error("the chart cannot be read: {0}; expected valid SVG")]
-    Svg(#[from] resvg::usvg::Error),
-    /// The chart is too large or empty.
-    #[error("the chart is {0} × {1}; expected a size that fits in memory")]
-    Size(u32, u32),
-    /// The encoder failed.
-    #[error("the chart cannot be written as PNG: {0}")]
-    Png(#[from] png::EncodingError),
 }
 
 /// Opaque pixels, three bytes each, row by row.

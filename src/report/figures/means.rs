@@ -5,19 +5,20 @@
 use std::collections::HashMap;
 
 use super::{
-    axes::{EDGE, Levels, MARKER, PANEL, Panel, Values, below, beside, ends, legend, number_axis, told},
+    axes::{EDGE, Levels, MARKER, PANEL, Panel, Values, beside, legend, told},
     figure::Figure,
-    labels::{self, TEXT, chosen, evenly},
-    palette::{AXIS, GRAY, MAX_SERIES, Series, Stroke},
-    svg::{Anchor, Font, Point, Svg, WIDTH},
+    labels::{self, chosen, evenly},
+    palette::{GRAY, MAX_SERIES, Series, Stroke},
+    svg::{Point, Svg, WIDTH},
+    tasks,
 };
 use crate::{
     analysis::{
-        Coefficient, Model, Results,
-        counts::{CountRow, Factor},
-        summary::{Group, by_levels, means_by_subject},
+        Coefficient, Results,
+        counts::Factor,
+        summary::{Group, by_levels, by_levels_as, means_by_subject},
     },
-    report::names,
+    report::{document::count, names},
     statistics::Interval,
 };
 
@@ -55,23 +56,7 @@ pub(super) fn figures(results: &Results) -> Vec<Figure> {
 pub fn predicted(results: &Results, expected: &[Option<f64>]) -> Vec<Figure> {
     let counts = &results.measured.counts;
     let factors = chosen(counts);
-    let mut sums: HashMap<Vec<String>, HashMap<u32, (f64, f64)>> = HashMap::new();
-    for cell in counts.rows.chunk_by(|l, r| (l.subject, l.condition) == (r.subject, r.condition)) {
-        let Some(rating) = expected.get(cell[0].condition as usize).copied().flatten() else { continue };
-        let levels = counts.level_names(cell[0].condition);
-        let of_people = sums.entry(factors.iter().map(|&factor| levels[factor].to_owned()).collect()).or_default();
-        let (sum, n) = of_people.entry(cell[0].subject).or_default();
-        *sum += rating;
-        *n += 1.0;
-    }
-    let mean = |people: HashMap<u32, (f64, f64)>| {
-        let n = people.len() as f64;
-        let mut means: Vec<f64> = people.into_values().map(|(sum, n)| sum / n).collect();
-        // Summed in a fixed order, so that the last digit does not depend on that of the map.
-        means.sort_by(f64::total_cmp);
-        means.iter().sum::<f64>() / n
-    };
-    let means = sums.into_iter().map(|(levels, people)| (levels, (mean(people), None))).collect();
+    let means = of_groups(by_levels_as(counts, &factors, expected));
     let names = ["figure4a_predicted", "figure4b_predicted"];
     let source = "by the vision model, with its criterion fitted to the ratings";
     charts(results, &factors, &means, names, "Predicted mean rating", source)
@@ -130,14 +115,14 @@ fn chart(
         title += &format!(" and {by_name}");
         caption = format!("one {thing} for each level of {by_name}{some}; ");
     }
-    let caption = labels::sentence(&format!("{caption}{source}"));
-    let heading = by.map(|by| names::heading(results.options.parameters, &by.name)).unwrap_or_default();
+    let caption = names::capitalized(&format!("{caption}{source}."));
+    let heading = by.map(|by| names::heading(results, &by.name)).unwrap_or_default();
     let series: Vec<(Series, &str)> = lines.iter().map(|line| (line.series, line.name.as_str())).collect();
     let values = Values::ratings(&results.measured.counts);
     let panel = values.panel(values.margin(), WIDTH - EDGE - beside(&heading, &series), EDGE, PANEL);
     Figure::draw(name, title, caption, panel.bottom + levels.below(panel.width()), |svg| {
         values.draw(svg, &panel, Some(what));
-        levels.draw(svg, &panel, &names::axis(results.options.parameters, &across.name));
+        levels.draw(svg, &panel, &names::axis(results, &across.name));
         let name = |factor: &Factor| labels::in_sentence(results, &factor.name);
         draw(svg, &panel, &levels, &lines, [&name(across), &by.map(|by| name(by)).unwrap_or_default()]);
         legend(svg, &panel, &heading, &series, levels.ordered);
@@ -160,7 +145,9 @@ pub(super) fn draw(svg: &mut Svg, panel: &Panel, levels: &Levels, lines: &[Line]
         }
         for (&at, (_, interval)) in means().filter_map(|(at, mean)| Some((at, mean.as_ref()?))) {
             if let Some(interval) = interval {
-                svg.interval(x(at), panel.y(interval.low), panel.y(interval.high), 5.0, line.series.bar());
+                // An end may be infinite.
+                let [low, high] = [interval.low, interval.high].map(|end| panel.y(end.clamp(panel.low, panel.high)));
+                svg.interval(x(at), low, high, 5.0, line.series.bar());
             }
         }
         let named = |factor: &str, level: &str| format!("{factor} {level}").trim().to_owned();
@@ -194,7 +181,7 @@ pub(super) fn participants(results: &Results) -> Option<Figure> {
     let title = format!("{WHAT} of every participant by {name}");
     let some = labels::some_of(shown.len(), results.people());
     let caption =
-        format!("Each gray line is one participant{some}, and the thick line is the mean over participants; {sample}.");
+        format!("Each gray line is one participant{some}, and markers are means over participants; {sample}.");
     let (values, levels) = (Values::ratings(counts), Levels::of(by));
     let panel = values.panel(values.margin(), WIDTH - EDGE, EDGE, PANEL);
     let people = shown.len() as f64;
@@ -202,124 +189,41 @@ pub(super) fn participants(results: &Results) -> Option<Figure> {
         opacity: (12.0 / people).clamp(0.25, 0.75),
         ..Stroke::new(GRAY, if people > 40.0 { 1.4 } else { 2.0 })
     };
-    let thick = Stroke { width: 5.0, ..Series::only().line() };
     let points = |means: &[Option<f64>]| -> Vec<Option<Point>> {
         levels.at.iter().zip(means).map(|(&at, mean)| mean.map(|mean| (panel.x(at), panel.y(mean)))).collect()
     };
     Some(Figure::draw("subjects", title, caption, panel.bottom + levels.below(panel.width()), |svg| {
         values.draw(svg, &panel, Some(WHAT));
-        levels.draw(svg, &panel, &names::axis(results.options.parameters, &by.name));
-        let level = |row: &CountRow| counts.conditions[row.condition as usize][factor].map(|level| level as usize);
+        levels.draw(svg, &panel, &names::axis(results, &by.name));
+        let level = |_, condition: u32| counts.conditions[condition as usize][factor].map(|level| level as usize);
         let means = means_by_subject(counts, by.levels.len(), level);
-        shown.iter().for_each(|person| svg.path(&points(&means[*person]), thin));
+        let own =
+            |person: usize| means.iter().map(|of_level| of_level.get(&(person as u32)).copied()).collect::<Vec<_>>();
+        shown.iter().for_each(|person| svg.path(&points(&own(*person)), thin));
         let groups = &results.factors[factor].levels;
-        let mean = |level: &String| Some(groups.iter().find(|group| group.names[0] == *level)?.summary.mean);
-        let means: Vec<_> = by.levels.iter().map(mean).collect();
-        let all = points(&means);
-        svg.path(&all, thick);
-        for ((point, mean), level) in all.iter().zip(&means).zip(&levels.names) {
-            let Some((point, mean)) = point.zip(*mean) else { continue };
-            let text = format!("{name} {level}: {}", told(mean, None));
-            svg.point(point, MARKER + 1.0, Series::only(), text);
-        }
+        let mean = |level: &String| Some((groups.iter().find(|group| group.names[0] == *level)?.summary.mean, None));
+        let means = by.levels.iter().map(mean).collect();
+        draw(svg, &panel, &levels, &[Line { name: String::new(), series: Series::only(), means }], [&name, ""]);
     }))
 }
 
 /// Maximum number of coefficients in a chart.
 const MAX_SHOWN: usize = 60;
-/// Distance between rows.
-const PITCH: f64 = 1.4 * TEXT;
-/// Maximum width of a row's name.
-const MAX_EFFECT_NAME: f64 = 300.0;
 
 /// Draws `effects`, if there is a model with coefficients.
 pub(super) fn effects(results: &Results) -> Option<Figure> {
     let model = &results.model.as_ref().ok()?.model;
-    if model.coefficients.is_empty() {
-        return None;
-    }
-    let (known, shown) = (results.options.parameters, model.coefficients.iter().take(MAX_SHOWN));
-    let rows: Vec<(String, &Coefficient)> =
-        shown.map(|own| (labels::fit(&names::coefficient(known, &own.parts), MAX_EFFECT_NAME), own)).collect();
-    let (low, high) = range(model);
-    let widest = rows.iter().map(|(name, _)| labels::width(name)).fold(120.0, f64::max);
-    let left = EDGE + widest.min(MAX_EFFECT_NAME) + 14.0;
-    let bottom = EDGE + PITCH * rows.len() as f64 + 8.0;
-    let panel = Panel { left, right: WIDTH - EDGE - 8.0, top: EDGE, bottom, low: 0.0, high: 1.0 };
-    let share = |value: f64| (value - low) / (high - low);
-    let title = format!("Effects in the {} model", model.link);
-    Some(Figure::draw("effects", title, effects_caption(model), bottom + below(TEXT), |svg| {
-        number_axis(svg, &panel, (low, high), &format!("Shift of the ratings ({} units)", model.link));
-        let zero = panel.x(share(0.0));
-        svg.line(&[(zero, panel.top), (zero, bottom)], Stroke { dash: Some((9.0, 6.0)), ..AXIS });
-        for (index, (name, coefficient)) in rows.iter().enumerate() {
-            let y = panel.top + PITCH * (index as f64 + 0.5);
-            svg.text(name, (left - 14.0, y), Font::new(Anchor::End));
-            effect(svg, &panel, coefficient, share, y, name);
-        }
-    }))
-}
-
-fn effects_caption(model: &Model) -> String {
-    let mut text = format!(
-        "Coefficients of the cumulative-link {}model ({} link), with 95\u{a0}% profile-likelihood intervals. Positive \
-         values mean higher ratings than at the factor’s baseline, the level without a coefficient, or with a larger number; {}.",
+    let finite = model.coefficients.iter().filter(|own| own.estimate.is_finite());
+    let shown: Vec<&Coefficient> = finite.take(MAX_SHOWN).collect();
+    let estimates = shown.iter().map(|own| Some((own.estimate, own.interval))).collect();
+    let names = shown.iter().map(|own| names::coefficient(results, &own.parts)).collect::<Vec<_>>();
+    let caption = format!(
+        "Coefficients of the cumulative-link {}model{}; bars are 95\u{a0}% intervals, where there are any. Positive values mean \
+         higher ratings than at the factor’s baseline, the level without a coefficient, or with a larger number; {}.",
         if model.random.is_some() { "mixed " } else { "" },
-        model.link,
-        labels::fitted(model)
+        labels::some_of(shown.len(), model.coefficients.len()),
+        count(model.nobs, "rating")
     );
-    if model.coefficients.iter().any(|own| own.estimate.is_finite() && own.interval.is_none()) {
-        text += " A marker without a line has no interval: with these data, none would be right often enough.";
-    }
-    if model.coefficients.iter().any(|coefficient| !coefficient.estimate.is_finite()) {
-        text += " An arrow without a marker means that there is no finite estimate.";
-    }
-    let all = model.coefficients.len();
-    if all > MAX_SHOWN {
-        text += &format!(" Only the first {MAX_SHOWN} of {all} coefficients are shown.");
-    }
-    text
-}
-
-/// Returns the interval of a coefficient or, if there is none, only the estimate.
-fn interval(&Coefficient { estimate, interval, .. }: &Coefficient) -> Interval {
-    interval.unwrap_or(Interval { low: estimate, high: estimate })
-}
-
-/// Returns the range of the axis: all intervals, except a few extreme ones that would leave no room for the others.
-fn range(model: &Model) -> (f64, f64) {
-    let finite = || model.coefficients.iter().take(MAX_SHOWN).filter(|c| c.estimate.is_finite());
-    let limit = 3.0 * finite().map(|c| c.estimate.abs()).fold(1.0, f64::max);
-    let bounds = finite().map(interval).flat_map(|interval| [interval.low, interval.high]);
-    let (low, high) = ends(bounds.map(|end| end.clamp(-limit, limit)).chain([0.0])).unwrap_or((-1.0, 1.0));
-    let pad = (0.06 * (high - low)).max(0.1);
-    (low - pad, high + pad)
-}
-
-/// Draws an estimate with its interval, and an arrow where they extend beyond the panel.
-fn effect(svg: &mut Svg, panel: &Panel, coefficient: &Coefficient, share: impl Fn(f64) -> f64, y: f64, name: &str) {
-    let (series, estimate) = (Series::only(), coefficient.estimate);
-    if estimate.is_nan() {
-        return;
-    }
-    let Interval { low, high } = interval(coefficient);
-    let [from, to] = [low, high].map(|end| panel.x(share(end).clamp(0.0, 1.0)));
-    if to > from {
-        svg.line(&[(from, y), (to, y)], Stroke { width: 3.0, ..series.bar() });
-    }
-    for (is_beyond, x, direction) in [(share(low) < 0.0, from, -1.0), (share(high) > 1.0, to, 1.0)] {
-        if is_beyond {
-            arrow(svg, (x, y), direction, series);
-        }
-    }
-    if estimate.is_finite() {
-        let text = format!("{name}: {}", told(estimate, coefficient.interval));
-        svg.point((panel.x(share(estimate)), y), MARKER + 1.0, series, text);
-    }
-}
-
-/// Draws an arrowhead that points right (1) or left (−1).
-fn arrow(svg: &mut Svg, (x, y): Point, direction: f64, series: Series) {
-    let back = x - direction * 18.0;
-    svg.polygon(&[(x, y), (back, y - 9.0), (back, y + 9.0)], series.color);
+    let title = format!("Effects in the {} model", model.link);
+    tasks::estimates("effects", &names, &[(String::new(), estimates)], (&title, "Shift of the ratings", caption))
 }

@@ -10,6 +10,7 @@ mod figure;
 mod labels;
 mod means;
 pub mod palette;
+mod stimulus;
 mod svg;
 pub(super) mod tasks;
 
@@ -18,19 +19,19 @@ use rayon::prelude::*;
 use crate::analysis::Results;
 
 pub use display::{calibration, intervals};
-pub use figure::{Figure, FigureError, Pixels};
+pub use figure::{Figure, Pixels};
 pub use means::predicted;
+pub use stimulus::stimulus;
 pub use svg::Plotted;
 
 /// Draws every chart for which there are data, in report order.
 pub fn all(results: &Results) -> Vec<Figure> {
-    let kinds: [fn(&Results) -> Vec<Figure>; 6] = [
+    let kinds: [fn(&Results) -> Vec<Figure>; 5] = [
         means::figures,
         |results| answers::proportions(results).into_iter().collect(),
         |results| means::participants(results).into_iter().collect(),
         |results| means::orientation(results).into_iter().collect(),
         |results| means::effects(results).into_iter().collect(),
-        |results| answers::times(results).into_iter().collect(),
     ];
     kinds.par_iter().flat_map_iter(|kind| kind(results)).collect()
 }

@@ -89,17 +89,14 @@ pub enum Marker {
     Square,
     Triangle,
     Diamond,
-    Inverted,
-    Cross,
 }
 
-const MARKERS: [Marker; 6] =
-    [Marker::Circle, Marker::Square, Marker::Triangle, Marker::Diamond, Marker::Inverted, Marker::Cross];
+const MARKERS: [Marker; 4] = [Marker::Circle, Marker::Square, Marker::Triangle, Marker::Diamond];
 
 /// Lengths of a dash and of the gap after it; `None` for a solid line.
 pub type Dash = Option<(f64, f64)>;
 
-const DASHES: [Dash; 4] = [None, Some((18.0, 8.0)), Some((8.0, 6.0)), Some((30.0, 7.0))];
+const DASHES: [Dash; 3] = [None, Some((18.0, 8.0)), Some((8.0, 6.0))];
 
 /// How a line is drawn.
 #[derive(Clone, Copy, Debug)]

@@ -25,29 +25,18 @@ pub(super) enum Anchor {
 /// The style of a text.
 #[derive(Clone, Copy)]
 pub(super) struct Font {
-    anchor: Anchor,
-    bold: bool,
-    upright: bool,
-    below: bool,
+    pub anchor: Anchor,
+    pub bold: bool,
+    /// Whether the text runs from bottom to top.
+    pub upright: bool,
+    /// Whether the top of the text is at its position.
+    pub below: bool,
 }
 
 impl Font {
+    /// Returns plain text that is vertically centered at its position.
     pub const fn new(anchor: Anchor) -> Self {
         Self { anchor, bold: false, upright: false, below: false }
-    }
-
-    pub const fn bold(self) -> Self {
-        Self { bold: true, ..self }
-    }
-
-    /// Makes the text run from bottom to top.
-    pub const fn upright(self) -> Self {
-        Self { upright: true, ..self }
-    }
-
-    /// Puts the top of the text at its position; other text is vertically centered there.
-    pub const fn below(self) -> Self {
-        Self { below: true, ..self }
     }
 }
 
@@ -185,14 +174,8 @@ impl Svg {
     pub fn marker(&mut self, (x, y): Point, radius: f64, Series { color, marker, .. }: Series) {
         let corners: &[Point] = match marker {
             Marker::Circle => return self.circle((x, y), radius, color),
-            Marker::Cross => {
-                let (s, stroke) = (0.85 * radius, Stroke::new(color, 4.5));
-                self.line(&[(x - s, y - s), (x + s, y + s)], stroke);
-                return self.line(&[(x - s, y + s), (x + s, y - s)], stroke);
-            }
             Marker::Square => &[(-0.88, -0.88), (0.88, -0.88), (0.88, 0.88), (-0.88, 0.88)],
             Marker::Triangle => &[(0.0, -1.2), (1.1, 0.75), (-1.1, 0.75)],
-            Marker::Inverted => &[(0.0, 1.2), (1.1, -0.75), (-1.1, -0.75)],
             Marker::Diamond => &[(0.0, -1.3), (1.05, 0.0), (0.0, 1.3), (-1.05, 0.0)],
         };
         let corners: Vec<Point> = corners.iter().map(|(dx, dy)| (x + radius * dx, y + radius * dy)).collect();

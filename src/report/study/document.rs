@@ -10,7 +10,7 @@ use super::{
 use crate::{
     analysis::{
         Results,
-        counts::{ExclusionError, Exclusions, Measured, MeasuredBuilder},
+        counts::{Exclusions, Measured, MeasuredBuilder},
     },
     experiment::RatingRow,
     report::{
@@ -58,7 +58,7 @@ pub enum StudyError {
     },
     /// A name that this option gives does not exist, or no ratings are left.
     #[error("{1}")]
-    Names(&'static str, ExclusionError),
+    Names(&'static str, String),
 }
 
 fn told(codes: &[(String, u64)]) -> String {
@@ -128,10 +128,7 @@ impl Study {
         let directions: Vec<_> =
             options.direction.iter().flat_map(|list| &list.0).map(|name| (name.clone(), Vec::new())).collect();
         all.counts.check_levels(&directions).map_err(|error| StudyError::Names("direction", error))?;
-        let measured = all.narrowed(&exclusions).map_err(|error| match error {
-            ExclusionError::Participant { .. } | ExclusionError::Nothing => StudyError::Names("exclude", error),
-            ExclusionError::Factor { .. } | ExclusionError::Level { .. } => StudyError::Names("only", error),
-        })?;
+        let measured = all.narrowed(&exclusions).map_err(|(field, error)| StudyError::Names(field, error))?;
         if !options.unlimited {
             // A number or an item is not listed level by level.
             let is_unlisted = |name: &String| options.roles.contains(name) && !options.also.contains(name);
@@ -142,14 +139,6 @@ impl Study {
             listed.counts.check_size().map_err(|message| StudyError::TooLarge(FileErrors::whole(file, message)))?;
         }
         Ok(Self { source, measured })
-    }
-
-    /// Returns the study without what is to be excluded. Nothing is read again.
-    ///
-    /// # Errors
-    /// A name is not known, or no ratings are left.
-    pub fn narrowed(&self, exclusions: &Exclusions) -> Result<Self, ExclusionError> {
-        Ok(Self { source: self.source.clone(), measured: self.measured.narrowed(exclusions)? })
     }
 }
 
@@ -192,15 +181,14 @@ pub fn document(source: &Source, results: &Results, parts: Parts<'_>) -> Documen
     let (methods, references) = methods::sections(source, results);
     let mut sections = vec![
         summary::section(source, results),
-        description::design(source, results),
         health::section(source, results),
         description::section(results, figures),
         model::section(results, figures),
         description::agreement(results),
     ];
     sections.extend(prediction.map(|prediction| vision::section(source, results, prediction, figures)));
-    sections.extend([description::times(results, figures), methods, references]);
-    sections.extend(provenance.map(|provenance| provenance::section(source, results, provenance)));
+    sections.extend([methods, references]);
+    sections.extend(provenance.map(|provenance| provenance::section(source, provenance)));
     let (title, subtitle) = match &source.protocol {
         Some(protocol) => {
             let title = if protocol.title.trim().is_empty() { &protocol.name } else { &protocol.title };

@@ -248,8 +248,7 @@ fn least_and_most(results: &Results, factor: &FactorResults) -> [(Shown, String)
 
 /// True if the model accounts for repeated measures, or there are none.
 pub(super) fn is_clustered(results: &Results) -> bool {
-    let ignores = [Note::RunawayVariance, Note::NoMixedModel];
-    let accounts = |model: &Model| !model.notes.iter().any(|note| ignores.contains(note));
+    let accounts = |model: &Model| !model.notes.contains(&Note::NoMixedModel);
     !results.ignores_people() && results.model.as_ref().is_ok_and(|report| accounts(&report.model))
 }
 
@@ -314,15 +313,12 @@ fn size_in_model(results: &Results, report: &ModelReport, factor: &FactorResults
     if let [Variable::Number(_)] = &term.variables[..] {
         return if is_average { None } else { over_range(results, report, term) };
     }
-    let contrast = if is_average {
-        let pair = factor.contrast().0.map(|level| &factor.levels[level].names[0]);
-        let is_own = |c: &&Comparison| {
-            c.average && c.factor == factor.name && pair.contains(&&c.level) && pair.contains(&&c.other)
-        };
-        report.comparisons.iter().find(is_own)?
-    } else {
-        report.contrasts.iter().find(|contrast| contrast.factor == factor.name)?
+    let pair = factor.contrast().0.map(|level| &factor.levels[level].names[0]);
+    let is_own = |c: &&Comparison| {
+        let is_of_factor = c.factor == factor.name && c.at.is_none() && c.average == is_average;
+        is_of_factor && pair.contains(&&c.level) && pair.contains(&&c.other)
     };
+    let contrast = report.comparisons.iter().find(is_own)?;
     if !contrast.estimate.is_finite() {
         return None;
     }
@@ -376,8 +372,8 @@ pub(super) fn range_of(results: &Results, variable: &Variable) -> Option<(f64, S
     levels.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (first, last) = (levels.first()?, levels.last()?);
     let name = names::factor(results, &factor.name);
-    let [low, high] = [first, last]
-        .map(|(_, level)| crate::report::names::rounded_level(results.options.parameters, &factor.name, level, 4));
+    let [low, high] =
+        [first, last].map(|(_, level)| crate::report::names::rounded_level(results, &factor.name, level, 4));
     let what = match results.spec.link {
         Link::Logit => "the odds of a higher rating are multiplied by",
         Link::Probit => "the shift of the latent response in standard deviations is",

@@ -3,16 +3,19 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use serde_json::json;
+
 use super::names;
 use crate::{
     analysis::{
         Results,
         counts::{Excluded, Part},
     },
-    report::document::{Section, Shown, TableOf, count, fixed, list, whole},
+    display::Monitor,
+    report::document::{Section, Shown, TableOf, count, list, whole},
     store::{
         ratings::{FileRead, Reason, SessionRead, Source},
-        sidecar::{SimulatedObserver, Sitting, UsedDisplay},
+        sidecar::{SimulatedObserver, Sitting},
     },
 };
 
@@ -25,42 +28,29 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
         ("Excluded: practice", sum(|file| file.practice)),
         ("Excluded: corrected ratings", sum(|file| file.superseded)),
         ("Excluded: rows with errors", sum(|file| file.erroneous)),
-        ("Rows used", sum(|file| file.counted)),
-        ("Ratings in these rows", sum(|file| file.ratings)),
+        ("Ratings read", sum(|file| file.ratings)),
         ("Ratings analyzed", whole(results.measured.counts.total())),
     ];
     section.facts("Rows read and excluded", facts);
-    let excluded = exclusions(source, results);
-    if !excluded.is_empty() {
-        section.text(excluded.join(" "));
+    let left_out = left_out(source, results);
+    if let Some(sentence) = exclusions(source, results) {
+        section.text(sentence);
+        TableOf::new("What was left out, and why", &left_out)
+            .text("Left out", |own| format!("{}s {}", own.noun, own.why))
+            .number("Number", |own| whole(own.number))
+            .number("Participants", |own| whole(own.participants))
+            .add_to(&mut section);
     }
-    exclusions_table(&mut section, source, results);
     section.heading("Errors");
     if source.errors.is_empty() {
         section.text("No errors were found in the files.");
-    } else {
-        section.text("Rows with errors were excluded; the rest was analyzed.");
-        section.list(source.errors.iter().map(ToString::to_string).collect());
     }
-    if !source.warnings.is_empty() {
-        section.warning("These files were analyzed despite the following warnings.");
-        section.list(source.warnings.iter().map(ToString::to_string).collect());
-    }
-    if !source.sessions.is_empty() {
-        let analyzed: Vec<&SessionRead> = sessions(source, results).collect();
-        let is_excluded = |session: &SessionRead| !analyzed.iter().any(|one| std::ptr::eq(*one, session));
-        section.heading("Sessions");
-        let known = |n: Option<u64>| n.map_or_else(|| fixed(None, 0), whole);
-        TableOf::new("Sessions: trials planned and rated", &source.sessions)
-            .text("Participant", |session| &session.subject)
-            .text("Session", |session| &session.session)
-            .text("State", |session| if is_excluded(session) { "excluded".to_owned() } else { state(session) })
-            .text("Ratings by", rated_by)
-            .number("Planned", |session| known(session.planned))
-            .number("Rated", |session| whole(session.rated))
-            .number("Trials with dropped frames", |session| known(session.dropped))
-            .add_to(&mut section);
-    }
+    section.problems(&source.errors, &source.warnings);
+    let unfinished = sessions(source, results).filter(|session| session.is_unfinished()).map(|session| {
+        let planned = count(session.planned.unwrap_or_default(), "planned trial");
+        format!("{}, session {}: {} of {planned} are rated.", session.subject, session.session, session.rated)
+    });
+    section.list(unfinished.collect());
     if all_sittings(source, results).next().is_some() {
         screens(&mut section, source, results);
     }
@@ -69,154 +59,100 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
 
 /// Says how many of the sessions that were not excluded are known to be finished; `None` if there are none.
 pub(super) fn finished_sentence(source: &Source, results: &Results) -> Option<String> {
-    let sessions = sessions(source, results);
-    let all = sessions.clone().count();
-    let unknown = sessions.clone().filter(|session| session.planned.is_none()).count();
-    let open = sessions.filter(|session| session.is_unfinished()).count();
-    let are = |n: usize| if n == 1 { "is" } else { "are" };
-    match (unknown, open, all) {
-        (.., 0) => None,
-        (0, 0, _) => Some(format!("All planned trials of {} are rated.", count(all as u64, "session"))),
-        (0, ..) => Some(format!("{open} of {} {} unfinished.", count(all as u64, "session"), are(open))),
-        _ => {
-            let others = match all - unknown {
-                0 => String::new(),
-                others => format!("; of the other {others}, {open} {} unfinished", are(open)),
-            };
-            let unknown = count(unknown as u64, "session");
-            Some(format!("It is not known how many trials were planned in {unknown}{others}."))
-        }
-    }
+    let (all, is_finished) =
+        (sessions(source, results), |own: &&SessionRead| own.planned.is_some_and(|n| own.rated >= n));
+    let (number, finished) = (all.clone().count() as u64, all.filter(is_finished).count() as u64);
+    let are = if finished == 1 { "is" } else { "are" };
+    (number > 0).then(|| match number - finished {
+        0 => format!("All planned trials of {} are rated.", count(number, "session")),
+        _ => format!("Of {}, {finished} {are} known to be finished.", count(number, "session")),
+    })
 }
 
-fn state(session: &SessionRead) -> String {
-    match session.planned {
-        None => "not known".to_owned(),
-        Some(planned) if session.rated < planned => format!("unfinished, {} missing", whole(planned - session.rated)),
-        Some(_) => "finished".to_owned(),
-    }
-}
-
-fn rated_by(session: &SessionRead) -> &'static str {
-    match &session.sidecar {
-        None => "not known",
-        Some(_) if is_simulated(session) => "a program",
-        Some(_) => "a person",
-    }
-}
-
+/// Lists what happened according to the sidecars, and in what the sittings differ.
 fn screens(section: &mut Section, source: &Source, results: &Results) {
     section.heading("Screens and incidents");
-    // The number of sittings with each problem.
-    let mut problems: BTreeMap<&str, u64> = BTreeMap::new();
-    let checks = all_sittings(source, results).flat_map(|(_, sitting)| &sitting.preflight);
-    for note in checks.filter(|note| !note.ok) {
-        *problems.entry(&note.sentence).or_default() += 1;
+    // What was noted, and in how many sittings.
+    let mut noted: BTreeMap<String, u64> = BTreeMap::new();
+    let mut settings: BTreeMap<&str, BTreeSet<String>> = BTreeMap::new();
+    for (session, sitting) in all_sittings(source, results) {
+        let problems = sitting.preflight.iter().filter(|note| !note.ok).map(|note| note.sentence.clone());
+        let of_session = |text| format!("{}, session {}: {text}", session.subject, session.session);
+        for text in problems.chain(sitting.incidents.iter().map(of_session)) {
+            *noted.entry(text).or_default() += 1;
+        }
+        for (name, value) in [
+            ("program", json!(sitting.program)),
+            ("observer", json!(sitting.observer.as_ref().map(SimulatedObserver::name))),
+            ("display profile", json!(sitting.display)),
+            ("monitor", json!(sitting.monitor.as_ref().map(Monitor::title))),
+            ("viewing distance", json!(sitting.viewing.as_ref().map(|viewing| viewing.distance_cm))),
+        ] {
+            settings.entry(name).or_default().insert(value.to_string());
+        }
     }
-    if !problems.is_empty() {
-        section.text("Preflight checks found these problems:");
-    }
-    section.list(problems.iter().map(|(text, n)| format!("{text} ({})", count(*n, "sitting"))).collect());
-    let incidents: Vec<String> = all_sittings(source, results)
-        .flat_map(|(session, sitting)| {
-            let who = move |text| format!("{}, session {}: {text}", session.subject, session.session);
-            sitting.incidents.iter().map(who)
-        })
-        .collect();
-    if !incidents.is_empty() {
-        section.text("Repairs and moves during sessions:");
-        section.list(incidents);
-    }
+    section.list(noted.iter().map(|(text, n)| format!("{text} ({})", count(*n, "sitting"))).collect());
     // Differences between sittings may be confounded with differences between people.
-    let properties = properties(source, results);
-    let different: Vec<&str> =
-        properties.iter().filter(|(_, values)| values.len() > 1).map(|(name, _)| *name).collect();
+    let different: Vec<&str> = settings.iter().filter(|(_, values)| values.len() > 1).map(|(name, _)| *name).collect();
     if different.is_empty() {
         section.text("According to their sidecars, all sittings were run in the same way.");
     } else {
-        let different = list(&different);
-        section.warning(format!("Sittings differ in {different}, which may explain differences between participants."));
-    }
-    let value = |(value, n): &(String, usize)| format!("{value} ({})", count(*n as u64, "sitting"));
-    TableOf::new("How the sittings were run", &properties)
-        .text("Setting", |(name, _)| *name)
-        .text("Value", |(_, values)| values.iter().map(value).collect::<Vec<_>>().join("; "))
-        .text("Across sittings", |(_, values)| if values.len() > 1 { "differs" } else { "the same" })
-        .add_to(section);
-}
-
-/// Returns a sentence for each kind of exclusion, and then how many ratings were analyzed; nothing without exclusions.
-pub(super) fn exclusions(source: &Source, results: &Results) -> Vec<String> {
-    let measured = &results.measured;
-    let with_ratings = |name: &str, ratings: u64| format!("{name} ({})", count(ratings, "rating"));
-    let (mut people, mut sentences, mut further) = (Vec::new(), Vec::new(), false);
-    for Excluded { what, ratings, participants } in &measured.excluded {
-        match what {
-            Part::Participant(id) => people.push(with_ratings(id, *ratings)),
-            Part::Levels { factor, kept } => {
-                let kept: Vec<Shown> = kept.iter().map(|level| names::level(results, factor, level)).collect();
-                sentences.push(format!(
-                    "Only ratings at {} {} were analyzed, on request; {} at other levels {} left out.",
-                    names::factor(results, factor),
-                    list(&kept),
-                    count(*ratings, "rating"),
-                    if *ratings == 1 { "was" } else { "were" }
-                ));
-            }
-            Part::Missing(factor) => sentences.push(format!(
-                "{}{} by {} without a value of {} {} left out, because the model needs it.",
-                if std::mem::replace(&mut further, true) { "A further " } else { "" },
-                count(*ratings, "rating"),
-                count(*participants, "participant"),
-                names::factor(results, factor),
-                if *ratings == 1 { "was" } else { "were" }
-            )),
-        }
-    }
-    if !people.is_empty() {
-        let who = if people.len() == 1 { "Participant" } else { "Participants" };
-        let were = if people.len() == 1 { "was" } else { "were" };
-        sentences.insert(0, format!("{who} {} {were} left out on request.", list(&people)));
-    }
-    let (least, most) = source.shape.time_limits;
-    for (limit, reason, than) in [(least, Reason::TooFast, "less"), (most, Reason::TooSlow, "more")] {
-        sentences.extend(limit.map(|limit| {
-            let (rows, people) = source.left_out(reason);
-            let (rows, people) = (count(rows, "trial"), count(people as u64, "participant"));
-            format!("Trials answered in {than} than {limit} s were left out on request ({rows} by {people}).")
-        }));
-    }
-    if !sentences.is_empty() {
-        sentences.push(format!(
-            "All numbers are about the remaining {} by {}.",
-            count(measured.counts.total(), "rating"),
-            count(results.people() as u64, "participant")
+        section.warning(format!(
+            "According to their sidecars, sittings differ in {}, which may explain differences between participants.",
+            list(&different)
         ));
     }
-    sentences
 }
 
-/// Adds a table of everything that was left out and can be read: why, how much, and of how many participants.
-fn exclusions_table(section: &mut Section, source: &Source, results: &Results) {
-    let reasons = Reason::ALL.iter().map(|reason| (format!("rows {reason}"), source.left_out(*reason)));
-    let reasons = reasons.filter(|(_, (rows, _))| *rows > 0);
-    let reasons = reasons.map(|(why, (rows, people))| (why, rows, people as u64));
-    let requests = results.measured.excluded.iter().map(|excluded| {
-        let why = match &excluded.what {
-            Part::Participant(id) => format!("ratings by {id}"),
-            Part::Levels { factor, .. } => format!("ratings at other levels of {}", names::factor(results, factor)),
-            Part::Missing(factor) => format!("ratings without a value of {}", names::factor(results, factor)),
+/// A part of the rows or ratings that can be read and was left out.
+struct LeftOut {
+    noun: &'static str,
+    why: String,
+    number: u64,
+    participants: u64,
+}
+
+/// Returns everything that was left out and can be read.
+fn left_out(source: &Source, results: &Results) -> Vec<LeftOut> {
+    let (least, most) = source.shape.time_limits;
+    let limited = |than: &str, limit: Option<f64>| format!("answered in {than} than {} s", limit.unwrap_or_default());
+    let of_reason = |reason: &Reason| {
+        let why = match reason {
+            Reason::TooFast => limited("less", least),
+            Reason::TooSlow => limited("more", most),
+            _ => reason.to_string(),
         };
-        (why, excluded.ratings, excluded.participants)
+        let (number, participants) = source.left_out(*reason);
+        LeftOut { noun: "row", why, number, participants: participants as u64 }
+    };
+    let requests = results.measured.excluded.iter().map(|Excluded { what, ratings, participants }| {
+        let why = match what {
+            Part::Participant(id) => format!("by participant {id}"),
+            Part::Levels { factor, kept } => {
+                let kept: Vec<Shown> = kept.iter().map(|level| names::level(results, factor, level)).collect();
+                format!("at levels of {} other than {}", names::factor(results, factor), list(&kept))
+            }
+            Part::Missing(factor) => format!("without a value of {}", names::factor(results, factor)),
+        };
+        LeftOut { noun: "rating", why, number: *ratings, participants: *participants }
     });
-    let rows: Vec<(String, u64, u64)> = reasons.chain(requests).collect();
-    if !rows.is_empty() {
-        TableOf::new("What was left out, and why", &rows)
-            .text("Left out", |(why, ..)| why)
-            .number("Number", |(_, number, _)| whole(*number))
-            .number("Participants", |(.., people)| whole(*people))
-            .add_to(section);
-    }
+    Reason::ALL.iter().map(of_reason).filter(|own| own.number > 0).chain(requests).collect()
+}
+
+/// Says what was left out, and how many ratings were analyzed; `None` if nothing was.
+pub(super) fn exclusions(source: &Source, results: &Results) -> Option<String> {
+    let left_out = left_out(source, results);
+    let parts: Vec<String> =
+        left_out.iter().map(|own| format!("{} {}", count(own.number, own.noun), own.why)).collect();
+    let were = if matches!(left_out[..], [LeftOut { number: 1, .. }]) { "was" } else { "were" };
+    (!parts.is_empty()).then(|| {
+        format!(
+            "{} {were} left out. All numbers are about the remaining {} by {}.",
+            names::capitalized(&list(&parts)),
+            count(results.measured.counts.total(), "rating"),
+            count(results.people() as u64, "participant")
+        )
+    })
 }
 
 /// Returns the sessions of participants who were not excluded.
@@ -262,67 +198,4 @@ pub(super) fn simulated<'a>(source: &'a Source, results: &Results) -> BTreeMap<&
 /// True if all ratings of a participant in [`simulated`] come from a program.
 pub(super) fn all_simulated([simulated, all]: &[u64; 2]) -> bool {
     simulated == all
-}
-
-/// Returns the first and the last day on which a sitting began, such as `2026-11-21`.
-pub(super) fn days<'a>(source: &'a Source, results: &Results) -> Option<(&'a str, &'a str)> {
-    let days: BTreeSet<&str> =
-        all_sittings(source, results).filter_map(|(_, sitting)| sitting.started_at.get(..10)).collect();
-    Some((days.first()?, days.last()?))
-}
-
-/// Returns the settings that may differ between sittings, with the number of sittings for each value. A setting that no
-/// sitting recorded is omitted.
-fn properties(source: &Source, results: &Results) -> Vec<(&'static str, Vec<(String, usize)>)> {
-    type Value = fn(&Sitting) -> Option<String>;
-    let values_of: [(&'static str, Value); 5] = [
-        ("program", program),
-        ("observer", observer),
-        ("display profile", display),
-        ("monitor", monitor),
-        ("viewing distance", |s| Some(format!("{} cm", trimmed(s.viewing.as_ref()?.distance_cm, 1)))),
-    ];
-    (values_of.into_iter())
-        .filter_map(|(name, value_of)| {
-            let mut values: BTreeMap<Option<String>, usize> = BTreeMap::new();
-            for (_, sitting) in all_sittings(source, results) {
-                *values.entry(value_of(sitting)).or_default() += 1;
-            }
-            let recorded = values.keys().any(Option::is_some);
-            let value = |value: Option<String>| value.unwrap_or_else(|| "not recorded".to_owned());
-            recorded.then(|| (name, values.into_iter().map(|(v, n)| (value(v), n)).collect()))
-        })
-        .collect()
-}
-
-fn program(sitting: &Sitting) -> Option<String> {
-    let program = &sitting.program;
-    let commit: String = program.commit.chars().take(10).collect();
-    Some(format!("{} {} (commit {commit})", program.name, program.version))
-}
-
-fn observer(sitting: &Sitting) -> Option<String> {
-    let simulated = |observer: &SimulatedObserver| format!("simulated: {}", observer.name());
-    Some(sitting.observer.as_ref().map_or_else(|| "a person".to_owned(), simulated))
-}
-
-fn display(sitting: &Sitting) -> Option<String> {
-    let UsedDisplay { name, transfer, measured, .. } = sitting.display.as_ref()?;
-    let measured = match measured {
-        None => "not measured".to_owned(),
-        Some(measured) => measured.on.map_or_else(|| "measured".to_owned(), |day| format!("measured {day}")),
-    };
-    Some(format!("{name}, {transfer}, {measured}"))
-}
-
-fn monitor(sitting: &Sitting) -> Option<String> {
-    let monitor = sitting.monitor.as_ref()?;
-    let refresh = monitor.refresh_hz.map(|hz| format!(", {} Hz", trimmed(hz, 2))).unwrap_or_default();
-    Some(format!("{}{refresh}", monitor.title()))
-}
-
-/// Rounds a number to at most this many decimals.
-fn trimmed(number: f64, decimals: i32) -> f64 {
-    let scale = 10_f64.powi(decimals);
-    (number * scale).round() / scale
 }

@@ -1,19 +1,16 @@
 //! The section about the model: its specification, its results, and whether its assumptions hold.
 
-use super::{names, summary::is_serious};
+use super::names;
 use crate::{
     analysis::{
-        Checks, Coefficient, Comparison, Link, Model, ModelReport, Proportion, RandomEffect, RandomSlope, Results,
-        Slopes, TermTest, Withheld,
-        terms::{Term, Variable},
+        Checks, Coefficient, Comparison, Link, Model, ModelReport, RandomEffect, RandomSlope, Results, Slopes,
+        TermTest, Withheld, terms::Term,
     },
     report::{
         document::{
-            Section, TableOf, count, fixed, list, mean, p_is, percent, probability, range, ratio, unit, whole,
-            with_interval,
+            Section, TableOf, count, fixed, list, mean, percent, probability, range, ratio, unit, whole, with_interval,
         },
         figures::Figure,
-        script,
     },
 };
 
@@ -29,9 +26,7 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
     };
     let model = &report.model;
     formula(&mut section, results, model);
-    let (serious, others): (Vec<_>, Vec<_>) = model.notes.iter().partition(|note| is_serious(note));
-    serious.iter().for_each(|note| section.warning(names::note(results, model, note)));
-    section.list(others.iter().map(|note| names::note(results, model, note)).collect());
+    section.list(model.notes.iter().map(|note| names::note(results, model, note)).collect());
     section.figures(figures, &["effects"]);
     coefficients(&mut section, results, model);
     TableOf::new("Thresholds between the categories, on the latent scale", &model.thresholds)
@@ -44,65 +39,10 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
     }
     comparisons(&mut section, results, report);
     margins(&mut section, results, report);
-    tests(
-        &mut section,
-        results,
-        [
-            "Does each term matter?",
-            &format!(
-                "Each row compares the model with one that lacks the term{}.{} A small p means that ratings like these would be \
-                 rare if the term had no effect. The p values are not corrected for the number of terms. Methods says where they \
-                 come from.",
-                if model.random.is_some() { " but has the same random effects" } else { "" },
-                if_interacting(
-                    results,
-                    " For a main effect that is part of an interaction, its mean over the levels of the other factor is tested \
-                     (sum contrasts)."
-                )
-            ),
-            "Likelihood-ratio tests against the model without each term",
-        ],
-        &report.terms.iter().collect::<Vec<_>>(),
-        &[("p", |test| test.p)],
-    );
-    tests(
-        &mut section,
-        results,
-        [
-            "Do the effects depend on each other?",
-            if is_additive(results) {
-                "The model is additive: each factor has the same effect at every level of the others. Each row tests this \
-                 for two factors. The p values are corrected for the number of rows."
-            } else {
-                "The model leaves out these interactions: in it, neither factor’s effect depends on the other. Each row \
-                 tests this. The p values are corrected for the number of rows."
-            },
-            "Tests of the interactions that are not in the model",
-        ],
-        &report.interactions.iter().map(|own| &own.test).collect::<Vec<_>>(),
-        &[("Corrected p", |test| test.p)],
-    );
-    let is_corrected = report.proportional_odds.iter().any(|test| test.p_holm.is_some());
-    let of_odds: [(&str, Probability); 2] = [("p", |test| test.p), ("Holm-corrected p", |test| test.p_holm)];
-    tests(
-        &mut section,
-        results,
-        [
-            "Is one coefficient per effect enough?",
-            &format!(
-                "The model assumes that a term has the same effect at every threshold (proportional odds). Each row tests this \
-             against a separate effect at each threshold{}.{}",
-                if model.random.is_some() { ", in models without random effects" } else { "" },
-                if is_corrected { " The last column corrects p for the number of terms (Holm)." } else { "" }
-            ),
-            "Tests of proportional odds",
-        ],
-        &report.proportional_odds.iter().collect::<Vec<_>>(),
-        &of_odds[..1 + usize::from(is_corrected)],
-    );
+    tests(&mut section, results, report);
     order(&mut section, report);
     if let Some(checks) = &report.checks {
-        fit_of_model(&mut section, results, checks);
+        fit_of_model(&mut section, checks);
     }
     section
 }
@@ -111,27 +51,17 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
 fn order(section: &mut Section, report: &ModelReport) {
     let Some(order) = &report.order else { return };
     section.heading("Do ratings depend on the order of the trials?");
-    let drift_p = order.drift_p.map_or_else(
-        || " (without a test: there are fewer than six participants)".to_owned(),
-        |p| format!(" ({}, from the signs of the participants)", p_is(p)),
-    );
-    let drift = order.drift.map_or_else(
-        || "Whether ratings drift cannot be told, because each condition has its place in the sessions.".to_owned(),
-        |drift| {
-            format!(
-                "From the first to the last trial of a session, the latent rating changes by an estimated {}{drift_p}, \
-                 beyond what the model’s effects tell about the places of the trials.",
-                fixed(drift, 2)
-            )
-        },
-    );
-    section.text(format!(
-        "{drift} The residuals of successive trials correlate by {} ({}, if any order of a session’s residuals is equally likely). \
-         The {} whose order is known are used.",
-        unit(order.lag_one),
-        p_is(order.lag_one_p),
-        count(order.ratings, "rating")
-    ));
+    let facts = [
+        ("Change of the latent rating from the first to the last trial of a session", fixed(order.drift, 2)),
+        ("p of the change, from the signs of at least six participants", probability(order.drift_p)),
+        ("Correlation of the residuals of successive trials", unit(order.lag_one)),
+        ("p of the correlation, if any order of a session’s residuals is equally likely", probability(order.lag_one_p)),
+        ("Ratings whose order is known", whole(order.ratings)),
+    ];
+    section.facts("Drift and dependence of successive ratings, beyond the effects in the model", facts);
+    if order.drift.is_none() {
+        section.note("A drift cannot be told from effects, because each condition has its place in the sessions.");
+    }
 }
 
 /// Describes how much participants differ.
@@ -142,11 +72,8 @@ fn between_people(section: &mut Section, results: &Results, model: &Model, rando
     rows.extend(random.slopes.iter().map(|slope| of(names::slope(results, model, slope), slope)));
     let of_items = |items: &RandomSlope| of(format!("Intercept of {}", names::factor(results, &items.name)), items);
     rows.extend(random.items.as_ref().map(of_items));
-    let caption = if random.items.is_some() {
-        "Standard deviations between participants and between items, on the latent scale"
-    } else {
-        "Standard deviations between participants, on the latent scale"
-    };
+    let items = if random.items.is_some() { " and between items" } else { "" };
+    let caption = format!("Standard deviations between participants{items}, on the latent scale");
     TableOf::new(caption, &rows)
         .text("Of", |(name, ..)| name)
         .number("SD", |(_, sd, se, _)| fixed(*sd, decimals(*sd, *se)))
@@ -162,21 +89,6 @@ fn between_people(section: &mut Section, results: &Results, model: &Model, rando
             with_interval(interval, unit)
         ));
     }
-    if let Some(correlations) = &random.correlations {
-        let slopes: Vec<String> = random.slopes.iter().map(|slope| names::slope(results, model, slope)).collect();
-        let names: Vec<&str> = std::iter::once("Intercept").chain(slopes.iter().map(String::as_str)).collect();
-        let rows: Vec<(&&str, &Vec<f64>)> = names.iter().zip(correlations).collect();
-        let table = TableOf::new("Correlations of the random effects", &rows).text("Of", |(name, _)| **name);
-        let columns = names.iter().enumerate();
-        columns.fold(table, |table, (place, name)| table.number(*name, |(_, row)| unit(row[place]))).add_to(section);
-    }
-    if results.is_inferential() && random.sd > 0.0 {
-        TableOf::new("Shift of each participant; positive values mean higher ratings", &random.subjects)
-            .text("Participant", |own| &own.subject)
-            .number("Shift", |own| fixed(own.mode, 2))
-            .number("Conditional SD", |own| fixed(own.sd, 2))
-            .add_to(section);
-    }
 }
 
 fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
@@ -187,9 +99,7 @@ fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
     section.text(format!(
         "Differences on the latent scale, in the model. Their p values and intervals come from the likelihood ratio of each \
          difference{}; the intervals are those of its profile where there is one.{} Holm’s method corrects p for all comparisons \
-         of a factor; the intervals are not corrected. Superiority is the probability that a rating at the first level is higher \
-         on the latent scale, where there are no ties; d is the difference divided by the residual standard deviation, that of \
-         ratings of the same stimulus by the same participant.",
+         of a factor; the intervals are not corrected.",
         if report.terms.iter().any(|test| test.draws.is_some()) {
             ", scaled by the limit that simulated studies give for its term"
         } else {
@@ -203,7 +113,6 @@ fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
              coefficients above."
         )
     ));
-    let link = report.model.link;
     let level = |c: &Comparison, level: &str| names::level(results, &c.factor, level);
     let at = |(factor, level): &(String, String)| {
         format!("{} {}", names::factor(results, factor), names::level(results, factor, level))
@@ -220,8 +129,6 @@ fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
         .number("95\u{a0}% interval", |c| range(c.interval, |x| fixed(x, 2)))
         .number("p", |c| probability(c.p))
         .number("Holm-corrected p", |c| probability(c.p_holm))
-        .number("Superiority", |c| unit(link.superiority(c.estimate)))
-        .number("d", |c| fixed(c.estimate / link.sd(), 2))
         .add_to(section);
     for of_factor in report.comparisons.chunk_by(|a, b| a.factor == b.factor) {
         if let Some((comparison, reason)) = of_factor.first().and_then(|first| Some((first, first.withheld?))) {
@@ -270,17 +177,20 @@ fn if_interacting<'a>(results: &Results, text: &'a str) -> &'a str {
 }
 
 fn formula(section: &mut Section, results: &Results, model: &Model) {
-    let mixed = model.random.is_some();
     let cdf = match model.link {
         Link::Logit => "logistic",
         Link::Probit => "normal",
     };
     let (who, shift, effects) = match &model.random {
-        None => ("", "", ""),
-        Some(random) if random.items.is_some() => {
-            (" and every participant", " − u", ", and u the random effects of the participant and the item")
+        None => ("", "", " and β the coefficients"),
+        Some(random) if random.items.is_some() => (
+            " and every participant",
+            " − u",
+            ", β the coefficients, and u the random effects of the participant and the item",
+        ),
+        Some(_) => {
+            (" and every participant", " − u", ", β the coefficients, and u the random effects of the participant")
         }
-        Some(_) => (" and every participant", " − u", ", and u the random effects of the participant"),
     };
     section.text(format!(
         "Ratings are ordered, but the steps between categories are not necessarily equal. The model therefore does not \
@@ -288,34 +198,23 @@ fn formula(section: &mut Section, results: &Results, model: &Model) {
          scale. A positive shift means higher ratings."
     ));
     section.code(format!("P(rating ≤ j) = F(θ[j] − x·β{shift})"));
-    section.text(format!(
-        "F is the {cdf} distribution function, θ are the thresholds, β the coefficients{effects}. In R’s notation:"
-    ));
-    section.code(script::call(results, model));
-    if script::has_numbers(results) {
-        section.note(
-            "In this call, numbers are divided by their range, and those ending in _c are about their means, so R’s coefficients of \
-             numbers and thresholds differ from those below.",
-        );
-    }
     let slopes = model.random.iter().flat_map(|random| &random.slopes);
     let slopes: Vec<String> = slopes.map(|slope| names::slope(results, model, slope)).collect();
-    if !slopes.is_empty() {
-        section.text(format!(
-            "The model also lets participants differ in their effects ({}), so tests and intervals of these effects allow for \
-             differences between people.",
-            list(&slopes)
-        ));
-    } else if mixed && results.is_inferential() {
-        section.text(format!(
-            "In this model, participants differ only in how high they rate; every effect is the same for all.{}",
-            if results.spec.slopes == Slopes::None {
-                " Tests of interactions and of differences in them do not allow for people who differ in the effects."
-            } else {
-                ""
-            }
-        ));
-    }
+    let differ = match (&slopes[..], results.spec.slopes) {
+        _ if model.random.is_none() || !results.is_inferential() => String::new(),
+        ([], Slopes::None) => {
+            " Participants differ only in how high they rate, so tests of interactions and of differences in them do \
+                               not allow for people who differ in the effects."
+                .to_owned()
+        }
+        ([], _) => " Participants differ only in how high they rate; every effect is the same for all.".to_owned(),
+        (slopes, _) => format!(
+            " Participants also differ in the effects of {}, so tests and intervals of these effects allow for differences \
+             between people.",
+            list(slopes)
+        ),
+    };
+    section.text(format!("F is the {cdf} distribution function, θ are the thresholds{effects}.{differ}"));
 }
 
 fn coefficients(section: &mut Section, results: &Results, model: &Model) {
@@ -324,7 +223,13 @@ fn coefficients(section: &mut Section, results: &Results, model: &Model) {
         section.text("The model has no terms, so it describes all ratings in the same way.");
         return;
     }
-    section.text(meaning(results, model));
+    section.text(format!(
+        "A level’s coefficient is its shift relative to the factor’s baseline, the level without a coefficient. {}",
+        match model.link {
+            Link::Logit => "An odds ratio above 1 means that higher ratings are more likely.",
+            Link::Probit => "One unit is a standard deviation of the latent ratings.",
+        }
+    ));
     let of = |c: &Coefficient| {
         let is_of_number = c.parts.iter().any(|part| part.level.is_none());
         if is_of_number { decimals(c.estimate, c.se) } else { 3 }
@@ -349,96 +254,65 @@ fn decimals(estimate: f64, se: Option<f64>) -> usize {
     if size > 0.0 && size < 0.01 { (2.0 - size.log10().floor()) as usize } else { 3 }
 }
 
-fn meaning(results: &Results, model: &Model) -> String {
-    let mut variables = results.spec.terms.iter().flat_map(|term| &term.variables);
-    let mut text = String::new();
-    if variables.any(|variable| matches!(variable, Variable::Factor(_))) {
-        text +=
-            "A level’s coefficient is its shift relative to the factor’s baseline, the level without a coefficient. ";
-    }
-    text += match model.link {
-        Link::Logit => "An odds ratio above 1 means that higher ratings are more likely.",
-        Link::Probit => "One unit is a standard deviation of the latent ratings.",
-    };
-    text
-}
+/// What is tested, before the name of its term.
+const KINDS: [&str; 2] = ["effect", "interaction"];
 
-/// One of the probabilities of a test.
-type Probability = fn(&TermTest) -> Option<f64>;
-
-/// Adds a table of tests, if there are any, with these probabilities.
-fn tests(
-    section: &mut Section,
-    results: &Results,
-    [heading, about, caption]: [&str; 3],
-    tests: &[&TermTest],
-    p: &[(&str, Probability)],
-) {
-    if tests.is_empty() {
+/// Adds the tests of the terms and of the interactions that the model leaves out.
+fn tests(section: &mut Section, results: &Results, report: &ModelReport) {
+    let effects = report.terms.iter().map(|test| (0, test, [test.p, None]));
+    let interactions = report.interactions.iter().map(|own| (1, &own.test, [None, own.test.p]));
+    let rows: Vec<(usize, &TermTest, [Option<f64>; 2])> = effects.chain(interactions).collect();
+    if rows.is_empty() {
         return;
     }
-    section.heading(heading);
-    section.text(about);
-    let mut table = TableOf::new(caption, tests)
-        .text("Term", |test| names::term(results, &test.term))
-        .number("χ²", |test| fixed(test.chi_squared, 2))
-        .number("df", |test| whole(test.df as u64));
-    for (head, of) in p {
-        table = table.number(*head, move |test| probability(of(test)));
-    }
-    table.add_to(section);
-    let mut reasons: Vec<Withheld> = tests.iter().filter_map(|test| test.withheld).collect();
-    reasons.dedup();
-    for reason in reasons {
-        let own = tests.iter().filter(|test| test.withheld == Some(reason));
-        let terms: Vec<String> = own.map(|test| names::term(results, &test.term)).collect();
-        section.note(format!("No p for {}: {reason}.", list(&terms)));
+    let same = if report.model.random.is_some() { " with the same random effects" } else { "" };
+    section.heading("Tests");
+    section.text(format!(
+        "A small p means that ratings like these would be rare if there were no such effect. An effect is tested against a model \
+         without the term{same}.{} Interactions that the model leaves out are tested because, in the model, the effect of each factor \
+         is the same at every level of the other. The corrected p allows for the number of tests of the same kind. Methods says \
+         where p values come from.",
+        if_interacting(
+            results,
+            " For a main effect that is part of an interaction, its mean over the levels of the other factor is tested \
+             (sum contrasts)."
+        )
+    ));
+    TableOf::new("Tests of terms", &rows)
+        .text("Test of", |(kind, ..)| KINDS[*kind])
+        .text("Term", |(_, test, _)| names::term(results, &test.term))
+        .number("χ²", |(_, test, _)| fixed(test.chi_squared, 2))
+        .number("df", |(_, test, _)| whole(test.df as u64))
+        .number("p", |(.., p)| probability(p[0]))
+        .number("Corrected p", |(.., p)| probability(p[1]))
+        .add_to(section);
+    let mut withheld: Vec<(usize, Withheld)> =
+        rows.iter().filter_map(|(kind, test, _)| Some((*kind, test.withheld?))).collect();
+    withheld.dedup();
+    for (kind, reason) in withheld {
+        let own = rows.iter().filter(|(own, test, _)| *own == kind && test.withheld == Some(reason));
+        let terms: Vec<String> = own.map(|(_, test, _)| names::term(results, &test.term)).collect();
+        let of = if kind == 0 { String::new() } else { format!("{} of ", KINDS[kind]) };
+        section.note(format!("No p for {of}{}: {reason}.", list(&terms)));
     }
 }
 
 /// Says how well the model describes the data.
-fn fit_of_model(section: &mut Section, results: &Results, checks: &Checks) {
+fn fit_of_model(section: &mut Section, checks: &Checks) {
     section.heading("Does the model describe the ratings?");
-    section.text(
-        "Studies were simulated from the model. An observed proportion outside the middle 95\u{a0}% of them suggests that the \
-         model does not describe these ratings. Because it was fitted to them, few should lie outside.",
-    );
-    let is_outside = |p: &&Proportion| p.is_outside();
-    let outside: Vec<&Proportion> = checks.proportions.iter().filter(is_outside).collect();
-    let far = checks.cells.iter().filter(is_outside).count();
-    let lie = |number: usize| match number {
+    let outside = match checks.proportions.iter().filter(|own| own.is_outside()).count() {
         0 => "none lies".to_owned(),
         1 => "one lies".to_owned(),
         n => format!("{} lie", whole(n as u64)),
     };
-    let poor = if checks.is_poor() { ": more than chance allows, so the model does not describe them" } else { "" };
-    section.text(format!(
-        "Of {} at the levels of the factors, {} outside{}.",
-        count(checks.proportions.len() as u64, "proportion"),
-        lie(outside.len()),
-        if checks.cells.is_empty() { poor } else { "" }
-    ));
-    if !checks.cells.is_empty() {
-        section.text(format!(
-            "Of {} in the single combinations of {}, {} outside{}.",
-            count(checks.cells.len() as u64, "proportion"),
-            list(&results.factors.iter().map(|factor| names::factor(results, &factor.name)).collect::<Vec<_>>()),
-            lie(far),
-            if checks.is_poor() { poor } else { ": no more than chance allows" }
-        ));
+    let mut text = format!(
+        "Studies were simulated from the model. An observed proportion outside the middle 95\u{a0}% of them suggests that the \
+         model does not describe these ratings: for example, because an effect is not the same at every threshold, as the model \
+         assumes (proportional odds). Because it was fitted to them, few should lie outside. Of {}, {outside} outside.",
+        count(checks.proportions.len() as u64, "proportion")
+    );
+    if checks.is_poor() {
+        text += " These are more than chance allows, so the model does not describe the ratings.";
     }
-    /// More rows would not be read.
-    const MOST: usize = 24;
-    let cells = checks.cells.iter().filter(is_outside).filter(|_| far <= MOST);
-    let rows: Vec<&Proportion> = outside.iter().copied().chain(cells).collect();
-    if !rows.is_empty() {
-        TableOf::new("Proportions outside the middle 95\u{a0}%", &rows)
-            .text("Factor", |own| names::factor(results, &own.factor))
-            .text("Level", |own| names::level(results, &own.factor, &own.level))
-            .text("Rating", |own| &own.category)
-            .number("Observed", |own| unit(own.observed))
-            .number("Expected", |own| unit(own.expected))
-            .number("Middle 95\u{a0}%", |own| range(Some(own.range), unit))
-            .add_to(section);
-    }
+    section.text(text);
 }

@@ -1,6 +1,6 @@
 //! Names of participants, factors, levels and categories, as used in sentences and tables.
 
-pub(super) use crate::report::names::capitalized;
+pub(super) use crate::report::names::{capitalized, coefficient, factor, level, term};
 use crate::{
     analysis::{
         Model, Note, RandomSlope, Results,
@@ -8,29 +8,13 @@ use crate::{
         number_of,
         results::{FactorResults, SubjectResults},
         summary::Group,
-        terms::{Term, TermPart},
     },
     experiment::{Category, Protocol},
     report::{
         document::{Shown, count, list, short_list},
-        names,
+        names::Known,
     },
 };
-
-/// Returns the name of a factor in a sentence.
-pub(super) fn factor(results: &Results, name: &str) -> String {
-    names::factor(results.options.parameters, name)
-}
-
-/// Returns a term in a sentence, such as `width`, or `width × depth` for `width:depth`.
-pub(super) fn term(results: &Results, term: &Term) -> String {
-    names::term(results.options.parameters, term)
-}
-
-/// Formats a level, such as `45°`, `∞` or `0.4`; `(none)` if the value is missing.
-pub(super) fn level(results: &Results, factor: &str, level: &str) -> Shown {
-    names::level(results.options.parameters, factor, level)
-}
 
 /// Returns a note about the model as a sentence.
 pub(super) fn note(results: &Results, model: &Model, note: &Note) -> String {
@@ -75,11 +59,6 @@ pub(super) fn who(ids: &[&str], most: usize) -> String {
     format!("{} {}", if ids.len() == 1 { "Participant" } else { "Participants" }, short_list(ids, most))
 }
 
-/// Returns a coefficient for a table, such as `depth ∞` or `width 0.4 × depth 2`.
-pub(super) fn coefficient(results: &Results, parts: &[TermPart]) -> String {
-    names::coefficient(results.options.parameters, parts)
-}
-
 /// Returns in what participants differ: a term, or a coefficient if the random effects are correlated.
 pub(super) fn slope(results: &Results, model: &Model, own: &RandomSlope) -> String {
     let found = model.coefficients.iter().find(|coefficient| coefficient.name == own.name);
@@ -100,7 +79,7 @@ pub(super) fn categories_of(protocol: &Protocol) -> Vec<String> {
 pub(super) fn scale(counts: &Counts, protocol: Option<&Protocol>) -> Vec<String> {
     match protocol {
         Some(protocol) if protocol.response.categories.len() == counts.categories.len() => categories_of(protocol),
-        _ => counts.categories.iter().map(|category| names::level(None, "", category).to_string()).collect(),
+        _ => counts.categories.iter().map(|category| level(Known::None, "", category).to_string()).collect(),
     }
 }
 

@@ -3,17 +3,13 @@
 
 use std::collections::BTreeSet;
 
-use super::{
-    findings::{self, ALPHA},
-    health, interactions, names,
-};
+use super::{findings, health, interactions, names};
 use crate::{
     analysis::{
-        Checks, ModelReport, Note, Results,
+        Checks, ModelReport, Note, Order, Results,
         results::{FactorResults, SubjectResults},
     },
-    report::document::{Section, count, either, fixed, list, mean, p_is, percent, short_list, unit, whole},
-    statistics::mean_and_sd,
+    report::document::{Section, count, either, list, short_list, whole},
     store::{FileError, ratings::Source},
 };
 
@@ -70,6 +66,10 @@ fn lead(source: &Source, results: &Results) -> Vec<String> {
     };
     let who = count(results.people() as u64, "participant");
     let mut lead = vec![names::rated(&who, results, "which differ in", levels)];
+    let possible: u64 = counts.factors.iter().map(|factor| factor.levels.len() as u64).product();
+    if counts.complete_conditions() < possible {
+        lead.push(format!("There are {} possible combinations of these levels.", whole(possible)));
+    }
     let scale = names::scale(counts, source.protocol.as_ref());
     let is_used = |category: &usize| counts.rows.iter().any(|row| usize::from(row.rating) == *category);
     let used: Vec<usize> = (0..scale.len()).filter(is_used).collect();
@@ -87,11 +87,6 @@ fn lead(source: &Source, results: &Results) -> Vec<String> {
             _ => format!("{}{positions}.", names::capitalized(&ratings)),
         });
     }
-    if counts.total() > 0 {
-        // As in every mean, each participant counts equally.
-        let of_people: Vec<f64> = results.subjects.iter().map(|subject| subject.group.summary.mean).collect();
-        lead.push(format!("Their overall mean is {}.", mean(mean_and_sd(&of_people).0)));
-    }
     if (2..FEW_PEOPLE).contains(&results.people()) {
         lead.push(format!("With only {who}, intervals are wide, and only large and consistent effects can be found."));
     }
@@ -99,11 +94,11 @@ fn lead(source: &Source, results: &Results) -> Vec<String> {
     let modeled = results.covariates.iter().filter(is_modeled);
     let names: Vec<String> = modeled.map(|name| names::factor(results, name)).collect();
     if !names.is_empty() {
-        let (covariates, are) = match names.len() {
-            1 => ("covariate", "a number with a linear effect, not a condition"),
-            _ => ("covariates", "numbers with linear effects, not conditions"),
-        };
-        lead.push(format!("The model has the {covariates} {}: {are}.", list(&names)));
+        let s = if names.len() == 1 { "" } else { "s" };
+        lead.push(format!(
+            "The model has the covariate{s} {}, with a linear effect instead of conditions.",
+            list(&names)
+        ));
     }
     if let Some((_, items)) = results.spec.items.as_ref().and_then(|items| results.modeled().factor(items)) {
         let is_modeled =
@@ -140,8 +135,8 @@ fn cautions(source: &Source, results: &Results) -> Vec<String> {
     let mut cautions = Vec::new();
     cautions.extend(simulated(source, results));
     cautions.extend((results.people() == 1).then(|| ONE_PARTICIPANT.to_owned()));
-    cautions.extend(problems(&source.errors, "error", source.files.iter().map(|file| file.erroneous).sum()));
-    cautions.extend(problems(&source.warnings, "warning", 0));
+    cautions.extend(problems(&source.errors, "error"));
+    cautions.extend(problems(&source.warnings, "warning"));
     cautions.extend(nothing_found(results));
     cautions.extend(about_model(results));
     cautions.extend(unusual_behavior(results));
@@ -154,17 +149,16 @@ fn simulated(source: &Source, results: &Results) -> Option<String> {
     if simulated.is_empty() {
         return None;
     }
-    let is_whole = simulated.values().all(health::all_simulated);
     let [from_program, all] = [0, 1].map(|which| simulated.values().map(|counts| counts[which]).sum());
-    let ratings =
-        if is_whole { "the ratings".to_owned() } else { format!("{} of {} ratings", whole(from_program), whole(all)) };
-    Some(if is_whole && simulated.len() >= results.people() {
+    Some(if simulated.values().all(health::all_simulated) && simulated.len() >= results.people() {
         "These data are simulated: all ratings come from a program, and the results say nothing about people."
             .to_owned()
     } else {
         format!(
-            "Some of these data are simulated: {ratings} of {} of {} ({}) come from a program. The results combine them \
+            "Some of these data are simulated: {} of {} ratings of {} of {} ({}) come from a program. The results combine them \
              with ratings from people.",
+            whole(from_program),
+            whole(all),
             simulated.len(),
             count(results.people() as u64, "participant"),
             short_list(&Vec::from_iter(simulated.into_keys()), MAX_NAMES)
@@ -176,15 +170,10 @@ fn simulated(source: &Source, results: &Results) -> Option<String> {
 const ONE_PARTICIPANT: &str = "There is only one participant: tests and intervals are about this participant’s repeated trials and say \
      nothing about other people. “machband plan” estimates how many participants a statement about people needs.";
 
-fn problems(problems: &[FileError], what: &str, excluded: u64) -> Option<String> {
+fn problems(problems: &[FileError], what: &str) -> Option<String> {
     let files: BTreeSet<&str> = problems.iter().map(|problem| problem.file.as_str()).collect();
     let (messages, files) = (count(problems.len() as u64, what), count(files.len() as u64, "file"));
-    let excluded = match excluded {
-        0 => String::new(),
-        1 => ", and 1 row is excluded".to_owned(),
-        rows => format!(", and {rows} rows are excluded"),
-    };
-    (!problems.is_empty()).then(|| format!("The input has {messages} in {files}{excluded}; see “Data quality”."))
+    (!problems.is_empty()).then(|| format!("The input has {messages} in {files}; see “Data quality”."))
 }
 
 /// Warns that a missing effect proves nothing: absence of evidence is not evidence of absence.
@@ -217,7 +206,8 @@ fn about_model(results: &Results) -> Vec<String> {
     }));
     if report.checks.as_ref().is_some_and(Checks::is_poor) {
         let text = "The model does not describe the ratings in the single conditions (see “Does the model describe the ratings?”). \
-                    Other terms may describe them better: interactions, or the levels of a factor instead of a slope.";
+                    An effect may differ along the scale, or other terms may describe them better: interactions, or the levels \
+                    of a factor instead of a slope.";
         cautions.push(text.to_owned());
     }
     let notes = &report.model.notes;
@@ -229,46 +219,32 @@ fn about_model(results: &Results) -> Vec<String> {
         );
     }
     cautions.extend(notes.iter().filter(|note| is_serious(note)).map(|note| names::note(results, &report.model, note)));
-    cautions.extend(report.order.as_ref().filter(|order| order.is_dependent()).map(|order| {
+    if report.order.as_ref().is_some_and(Order::is_dependent) {
         let so = if results.is_inferential() {
-            "If conditions were shown in blocks, this cannot be distinguished from differences between participants in the \
-             effects, and effects may seem clearer than they are."
+            "If conditions were shown in blocks, effects may seem clearer than they are, and people may seem to differ in them."
         } else {
             "The tests of this participant’s trials assume that they are independent, and find effects too often."
         };
-        format!(
-            "Successive ratings are related beyond what the model explains (correlation of residuals {}, {}). {so}",
-            unit(order.lag_one),
-            p_is(order.lag_one_p)
-        )
-    }));
-    let drifting = report.order.as_ref().filter(|order| order.is_drifting());
-    cautions.extend(drifting.and_then(|order| Some((order, order.drift?))).map(|(order, drift)| {
-        let verb = if drift > 0.0 { "rise" } else { "fall" };
-        format!(
-            "Ratings {verb} during a session: by an estimated {} on the latent scale from its first to its last trial ({}). \
-             Conditions that come early or late are not compared fairly.",
-            fixed(drift.abs(), 2),
-            order.drift_p.map(p_is).unwrap_or_default()
-        )
-    }));
-    cautions.extend(report.proportional_odds.iter().filter_map(|test| {
-        let p = p_is(test.p_holm.filter(|p| *p < ALPHA)?);
-        Some(format!(
-            "The ratings show that the effect of {} differs along the scale (test of proportional odds, corrected {p}). Its \
-             coefficient is an average.",
-            names::term(results, &test.term)
-        ))
-    }));
+        cautions.push(format!(
+            "Successive ratings are related beyond what the model explains (see “Do ratings depend on the order of the \
+             trials?”). {so}"
+        ));
+    }
+    if let Some(drift) = report.order.as_ref().filter(|order| order.is_drifting()).and_then(|order| order.drift) {
+        cautions.push(format!(
+            "Ratings {} during a session, so conditions that come early or late are not compared fairly (see “Do ratings depend \
+             on the order of the trials?”).",
+            if drift > 0.0 { "rise" } else { "fall" }
+        ));
+    }
     cautions
 }
 
 /// True if a note is a caution. There is a separate caution for a single participant.
-pub(super) fn is_serious(note: &Note) -> bool {
+fn is_serious(note: &Note) -> bool {
     matches!(
         note,
-        Note::RunawayVariance
-            | Note::NoMixedModel
+        Note::NoMixedModel
             | Note::NotConverged { .. }
             | Note::Flat
             | Note::AliasedTerm { .. }
@@ -279,50 +255,26 @@ pub(super) fn is_serious(note: &Note) -> bool {
     )
 }
 
-/// Describes behavior of participants that readers should check: use of only one category, and unusual response times.
+/// Describes behavior of participants that readers should check: use of one category, and unusual response times.
 fn unusual_behavior(results: &Results) -> Vec<String> {
-    let subjects = &results.subjects;
-    let mut sentences = one_category(results);
-    // Participants with the same peculiarity are named in one sentence.
-    let median = |subject: &SubjectResults| Some(subject.times?.median);
-    if let Some((who, least, _)) = odd(subjects, |own| median(own).filter(|median| *median > LONG_S)) {
-        sentences.push(format!(
-            "{who} took at least {} s for half of the answers: are the times in milliseconds? They are read as seconds.",
-            fixed(least.floor(), 0)
-        ));
-    }
-    if let Some((who, _, most)) = odd(subjects, |own| median(own).filter(|median| *median < HASTY_S)) {
-        let most = fixed(most, 2);
-        sentences.push(format!("{who} gave half of the answers within {most} s: too fast to look and decide."));
-    }
-    sentences
-}
-
-/// Names the participants who used one category always, or nearly always.
-fn one_category(results: &Results) -> Vec<String> {
-    let most_used = |subject: &SubjectResults| {
-        let summary = &subject.group.summary;
-        let shares = summary.proportions.iter().enumerate();
-        let (category, share) = shares.max_by(|l, r| l.1.total_cmp(r.1)).filter(|_| summary.n >= FEW_RATINGS)?;
-        (*share >= NEARLY_ALL).then_some((category, *share))
+    let who = |is: &dyn Fn(&SubjectResults) -> bool, what: &str| {
+        let ids: Vec<&str> = results.subjects.iter().filter(|own| is(own)).map(names::participant).collect();
+        (!ids.is_empty()).then(|| format!("{} {what}", names::who(&ids, MAX_NAMES)))
     };
-    let of_category = |(index, name): (usize, &String)| {
-        let share = |subject: &SubjectResults| Some(most_used(subject).filter(|(category, _)| *category == index)?.1);
-        let (whose, least, _) = odd(&results.subjects, share)?;
-        Some(if least >= 1.0 {
-            format!("{whose} used only one category: all their ratings are {name}.")
-        } else {
-            let some = percent((100.0 * least).floor() / 100.0);
-            format!("{whose} hardly used more than one category: at least {some} of their ratings are {name}.")
-        })
+    let is_monotonous = |own: &SubjectResults| {
+        let summary = &own.group.summary;
+        summary.n >= FEW_RATINGS && summary.proportions.iter().any(|share| *share >= NEARLY_ALL)
     };
-    results.measured.counts.categories.iter().enumerate().filter_map(of_category).collect()
-}
-
-/// Returns the names of the participants with an unusual value, and the smallest and the largest such value.
-fn odd(subjects: &[SubjectResults], value: impl Fn(&SubjectResults) -> Option<f64>) -> Option<(String, f64, f64)> {
-    let (ids, values): (Vec<&str>, Vec<f64>) =
-        subjects.iter().filter_map(|own| Some((names::participant(own), value(own)?))).unzip();
-    let least = values.iter().copied().min_by(f64::total_cmp)?;
-    Some((names::who(&ids, MAX_NAMES), least, values.into_iter().max_by(f64::total_cmp)?))
+    let sentences = [
+        who(&is_monotonous, "used one category for at least 90\u{a0}% of their ratings."),
+        who(
+            &|own| own.time.is_some_and(|time| time > LONG_S),
+            "took more than a minute for half of the answers: are the times in milliseconds? They are read as seconds.",
+        ),
+        who(
+            &|own| own.time.is_some_and(|time| time < HASTY_S),
+            "gave half of the answers within 0.3\u{a0}s: too fast to look and decide.",
+        ),
+    ];
+    sentences.into_iter().flatten().collect()
 }

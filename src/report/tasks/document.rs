@@ -22,9 +22,6 @@ use crate::{
     statistics::{Interval, holm},
 };
 
-/// Below this p, the answers vary more than a psychometric function allows.
-const POOR_FIT: f64 = 0.05;
-
 /// Describes a study; `provenance` says how to repeat the analysis.
 pub fn document(
     study: &TaskStudy,
@@ -32,11 +29,11 @@ pub fn document(
     figures: &[Figure],
     provenance: Option<&Provenance>,
 ) -> Document {
-    let mut sections = vec![summary(study, results), data(study)];
+    let mut sections = vec![summary(study, results), data(study, figures)];
     sections.extend(thresholds(study, results, figures));
     sections.extend(further::sections(study, results, figures));
     sections.push(methods(study, results));
-    sections.extend(provenance.map(|provenance| repeat(study, results, provenance)));
+    sections.extend(provenance.map(|provenance| repeat(study, provenance)));
     let Asked { title, task, protocol, .. } = &study.asked;
     let subtitle = match protocol {
         Some(protocol) => format!("Experiment {}: {task}", protocol.name),
@@ -59,12 +56,9 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
         section.warning(format!("Not complete: {}.", count(study.unfinished as u64, "session")));
     }
     if study.simulated > 0 {
-        let simulated = |what: &str| count(study.simulated as u64, what);
-        let place = match study.asked.protocol {
-            Some(_) => format!("in {}", simulated("session")),
-            None => format!("for {}", simulated("participant")),
-        };
-        section.warning(format!("These data are simulated: a program gave the answers {place}."));
+        let whose = if study.asked.protocol.is_some() { "session" } else { "participant" };
+        let whose = count(study.simulated as u64, whose);
+        section.warning(format!("These data are simulated: a program gave the answers of {whose}."));
     }
     if !study.excluded.is_empty() {
         section.text(format!("Left out on request: {}.", list(&study.excluded)));
@@ -90,9 +84,6 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
     if results.populations.is_empty() && results.beyond.is_empty() {
         let of_person = |function: &PersonFunction| {
             let (who, of) = (&study.people[function.person], study.at(function.condition));
-            if let Err(error) = &function.fit {
-                return Some(format!("{who}: there is no threshold of {name}{of}: {error}."));
-            }
             let fit = function.described()?;
             let level = level(common, Some(fit.threshold));
             let interval = with_interval(Some(fit.threshold), &level);
@@ -141,7 +132,7 @@ fn end(common: &Common, place: Beyond) -> String {
     }
 }
 
-fn data(study: &TaskStudy) -> Section {
+fn data(study: &TaskStudy, figures: &[Figure]) -> Section {
     let mut section = Section::new("data", "Data");
     let asked = &study.asked;
     let mut facts = vec![("Task", asked.task.clone())];
@@ -156,15 +147,8 @@ fn data(study: &TaskStudy) -> Section {
         facts.push(("Levels", format!("{name} from {low} to {high}{by}")));
     }
     section.facts("What was asked and answered", facts);
-    if !study.warnings.is_empty() {
-        section.warning("These files were analyzed despite the following warnings.");
-        section.list(study.warnings.iter().take(20).map(ToString::to_string).collect());
-    }
-    if !study.errors.is_empty() {
-        let errors: Vec<String> = study.errors.iter().take(20).map(ToString::to_string).collect();
-        section.warning("Sessions with errors were left out:");
-        section.list(errors);
-    }
+    section.figures(figures, &["stimulus"]);
+    section.problems(&study.errors, &study.warnings);
     section
 }
 
@@ -247,7 +231,7 @@ fn reversed(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
     }
 }
 
-/// Says what the answers do not determine, and which functions do not follow them.
+/// Says what the answers do not determine.
 fn doubts(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
     let told = |wanted: &dyn Fn(&PersonFunction) -> bool| told(study, results, wanted);
     let beyond = told(&|function| function.described().is_some_and(|fit| fit.is_extrapolated));
@@ -255,6 +239,13 @@ fn doubts(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
         section.warning(format!(
             "The interval of a threshold reaches beyond the levels, where only the prior limits it: {}.",
             short_list(&beyond, 12)
+        ));
+    }
+    let steep = told(&|function| function.described().is_some_and(|fit| fit.is_steep));
+    if !steep.is_empty() {
+        section.note(format!(
+            "These functions rise between two or three neighboring levels, so their slopes may be above the intervals: {}.",
+            short_list(&steep, 12)
         ));
     }
     for (condition, population) in &results.populations {
@@ -271,26 +262,10 @@ fn doubts(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
         };
         section.warning(format!("The mean threshold{} {what}", study.at(*condition)));
     }
-    let undetermined = |function: &PersonFunction| {
-        let is_missing = |fit: &Fit| function.threshold().is_none() || fit.determined_slope().is_none();
-        function.described().is_some_and(is_missing)
-    };
-    if results.functions.iter().any(undetermined) {
-        section.note(
-            "A threshold or slope is left out if its most probable value lies outside its interval, or a threshold beyond the levels: the answers do \
-             not determine it.",
-        );
-    }
-    let poor = told(&|function| function.goodness.is_some_and(|goodness| goodness.p < POOR_FIT));
-    if !poor.is_empty() {
-        section.note(format!(
-            "p of the fit is below .05, as if answers varied more than a psychometric function allows: {}. By chance alone, about {} \
-             of {} would be.",
-            short_list(&poor, 12),
-            fixed(POOR_FIT * results.functions.len() as f64, 1),
-            count(results.functions.len() as u64, "function")
-        ));
-    }
+    section.note(
+        "A threshold or slope is left out if its most probable value lies outside its interval, or a threshold beyond the levels: the answers \
+         do not determine it. If p of the fit is small, answers vary more than a psychometric function allows.",
+    );
 }
 
 fn methods(study: &TaskStudy, results: &TaskResults) -> Section {
@@ -366,9 +341,9 @@ fn model_of_a_person(model: &Model) -> String {
     )
 }
 
-fn repeat(study: &TaskStudy, results: &TaskResults, provenance: &Provenance) -> Section {
+fn repeat(study: &TaskStudy, provenance: &Provenance) -> Section {
     let mut section = Section::new("repeat", "Repeat this analysis");
-    provenance.tell(&mut section, [("Seed of the simulated studies", results.seed.to_string())]);
+    provenance.tell(&mut section);
     TableOf::new("Files", &study.files)
         .text("File", |(path, _)| path.display().to_string())
         .number("Rows", |(_, rows)| whole(*rows as u64))

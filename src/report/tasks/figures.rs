@@ -1,8 +1,8 @@
 //! The charts of a task.
 
 use super::{
-    further::{APART, over_people, proportion, scaled_ends},
-    results::{Detected, OfPerson, PersonFunction, TaskResults},
+    further::APART,
+    results::{PersonFunction, TaskResults},
     study::{Levels, TaskStudy},
 };
 use crate::{
@@ -21,7 +21,7 @@ const DRAWN: usize = 81;
 
 /// Draws every chart for which there are data.
 pub fn figures(study: &TaskStudy, results: &TaskResults) -> Vec<Figure> {
-    let kinds = [functions, thresholds, shares, detection, scale, settings];
+    let kinds = [functions, thresholds, scale];
     kinds.into_iter().filter_map(|kind| kind(study, results)).collect()
 }
 
@@ -106,47 +106,8 @@ fn symbols(study: &TaskStudy) -> String {
     }
 }
 
-/// Draws one value of each participant and their mean, with a series for each condition; `what` is the value in a sentence, and
-/// `noun` an answer.
-fn by_person<T>(
-    study: &TaskStudy,
-    all: &[OfPerson<T>],
-    ends: Option<[f64; 2]>,
-    value: impl Fn(&T) -> Option<f64>,
-    (name, title, axis): (&'static str, &str, &str),
-    [what, noun]: [&str; 2],
-) -> Option<Figure> {
-    let series = |condition: usize| {
-        let of_person =
-            |person: usize| value(&all.iter().find(|own| own.condition == condition && own.person == person)?.found);
-        let own: Vec<Option<f64>> = (0..study.people.len()).map(of_person).collect();
-        let known: Vec<f64> = own.iter().flatten().copied().collect();
-        let mean = over_people(&known, ends).map(|mean| (mean.mean, mean.interval));
-        let all = own.into_iter().map(|own| Some((own?, None))).chain([mean]).collect();
-        (!known.is_empty()).then(|| (study.levels(condition).join(", "), all))
-    };
-    let series: Vec<Estimates> = (0..study.asked.conditions.len()).filter_map(series).collect();
-    let has_interval = |(_, all): &Estimates| matches!(all.last(), Some(Some((_, Some(_)))));
-    let interval = if series.iter().any(has_interval) { " with its 95\u{a0}% interval" } else { "" };
-    let answers = count(study.answers(), noun);
-    let caption =
-        format!("{what} of each participant, and the mean over participants{interval}; {answers}.{}", symbols(study));
-    estimates(name, &people_and_mean(study), &series, (title, axis, caption))
-}
-
 fn people_and_mean(study: &TaskStudy) -> Vec<String> {
     study.people.iter().cloned().chain(["mean".to_owned()]).collect()
-}
-
-fn shares(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
-    let names = ("shares", "Correct answers", "Proportion of correct answers");
-    let what = ["The proportion of correct answers", "answer"];
-    by_person(study, &results.shares, Some([0.0, 1.0]), |own| Some(proportion(own)), names, what)
-}
-
-fn detection(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
-    let value = |own: &Detected| Some(own.1?.d_prime);
-    by_person(study, &results.detection, None, value, ("detection", "Sensitivity", "d’"), ["d’", "answer"])
 }
 
 fn scale(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
@@ -172,15 +133,4 @@ fn scale(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
         if groups.len() > 1 { format!(" {APART}") } else { String::new() }
     );
     estimates("scale", &places, &series, ("Scale of the comparisons", "Scale value (JND)", caption))
-}
-
-fn settings(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
-    let dial = study.asked.dial.as_ref()?;
-    let axis = dial.parameter.as_ref().map_or_else(|| "Rating".to_owned(), |name| study.asked.axis(name, dial.log));
-    let (title, what) = match study.asked.is_slider() {
-        true => ("Ratings", ["The mean rating", "rating"]),
-        false => ("Settings", ["The mean setting", "setting"]),
-    };
-    let ends = Some(scaled_ends(dial));
-    by_person(study, &results.settings, ends, |own| Some(own.mean), ("settings", title, &axis), what)
 }

@@ -57,7 +57,7 @@ pub(super) fn scaled(log: bool, interval: Option<Interval>) -> impl Fn(f64) -> S
 }
 
 /// Averages one value of each person; `None` if there are none. No value can be outside `ends`, if there are any.
-pub(super) fn over_people(values: &[f64], ends: Option<[f64; 2]>) -> Option<Mean> {
+fn over_people(values: &[f64], ends: Option<[f64; 2]>) -> Option<Mean> {
     (!values.is_empty()).then(|| ends.map_or_else(|| Mean::new(values), |ends| Mean::bounded(values, ends)))
 }
 
@@ -84,12 +84,12 @@ fn means<T, F: Fn(f64) -> Shown>(
 }
 
 /// Returns the proportion of correct answers.
-pub(super) fn proportion([right, all]: &[u32; 2]) -> f64 {
+fn proportion([right, all]: &[u32; 2]) -> f64 {
     f64::from(*right) / f64::from(*all)
 }
 
 /// Returns the ends of a dial, on the scale on which it counts.
-pub(super) fn scaled_ends(dial: &Dial) -> [f64; 2] {
+fn scaled_ends(dial: &Dial) -> [f64; 2] {
     dial.range.map(|end| if dial.log { end.log10() } else { end })
 }
 
@@ -161,12 +161,14 @@ fn direction(results: &TaskResults, dial: &Dial) -> Option<String> {
 
 /// Returns the sections for which there are data.
 pub(super) fn sections(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> Vec<Section> {
-    let answered = (!results.shares.is_empty()).then(|| shares(study, results, figures));
-    let detected = (!results.detection.is_empty()).then(|| detection(study, results, figures));
-    let compared = results.comparisons.as_ref().map(|found| comparisons(study, found, figures));
-    let set = study.asked.dial.as_ref().filter(|_| !results.settings.is_empty());
-    let set = set.map(|dial| settings(study, results, dial, figures));
-    answered.into_iter().chain(detected).chain(compared).chain(set).collect()
+    let dial = study.asked.dial.as_ref().filter(|_| !results.settings.is_empty());
+    let all = [
+        (!results.shares.is_empty()).then(|| shares(study, results)),
+        (!results.detection.is_empty()).then(|| detection(study, results)),
+        results.comparisons.as_ref().map(|found| comparisons(study, found, figures)),
+        dial.map(|dial| settings(study, results, dial)),
+    ];
+    all.into_iter().flatten().collect()
 }
 
 /// Begins a table of the participants and the conditions.
@@ -176,9 +178,8 @@ fn begun<'a, T>(study: &TaskStudy, caption: impl Into<String>, rows: &'a [OfPers
         .text("Condition", |own| study.name(own.condition))
 }
 
-fn shares(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> Section {
+fn shares(study: &TaskStudy, results: &TaskResults) -> Section {
     let mut section = Section::new("shares", "Correct answers");
-    section.figures(figures, &["shares"]);
     begun(study, "Correct answers of each participant", &results.shares)
         .number("Trials", |own| whole(own.found[1].into()))
         .number("Correct", |own| whole(own.found[0].into()))
@@ -187,7 +188,7 @@ fn shares(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> Secti
     section
 }
 
-fn detection(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> Section {
+fn detection(study: &TaskStudy, results: &TaskResults) -> Section {
     let mut section = Section::new("detection", "Detection");
     section.text(if study.asked.levels.is_some() {
         "The levels of the targets differ, so there is no d’ and no criterion over all of them: they would describe how the levels were \
@@ -197,7 +198,6 @@ fn detection(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> Se
          less readily than by an unbiased observer. Half an answer is added to each count (Hautus 1995), so that proportions of 0 and 1 stay \
          finite; with few trials, this pulls d’ toward 0."
     });
-    section.figures(figures, &["detection"]);
     let number = |place: usize| move |own: &OfPerson<Detected>| fixed(Detection::numbers(own.found.1)[place], 2);
     begun(study, "Detection by each participant", &results.detection)
         .number("Hits", |own| whole(own.found.0.hits.into()))
@@ -257,11 +257,10 @@ fn comparisons(study: &TaskStudy, found: &Comparisons, figures: &[Figure]) -> Se
     section
 }
 
-fn settings(study: &TaskStudy, results: &TaskResults, dial: &Dial, figures: &[Figure]) -> Section {
+fn settings(study: &TaskStudy, results: &TaskResults, dial: &Dial) -> Section {
     let is_rating = study.asked.is_slider();
     let (heading, of_each) = if is_rating { ("Ratings", "ratings") } else { ("Settings", "settings") };
     let mut section = Section::new("settings", heading);
-    section.figures(figures, &["settings"]);
     let has_start = results.settings.iter().any(|own| own.found.direction.is_some());
     let plain = |value: Option<f64>| value.map_or_else(|| fixed(None, 0), scaled(false, None));
     let mut table = begun(study, format!("The {of_each} of each participant"), &results.settings)
@@ -279,7 +278,6 @@ fn settings(study: &TaskStudy, results: &TaskResults, dial: &Dial, figures: &[Fi
         section
             .note("Means are geometric; the standard deviation and the effect of the start are in base-10 logarithms.");
     }
-    let all = count(study.trials.len() as u64, if is_rating { "rating" } else { "setting" });
-    section.note(format!("There are {all}. Each participant counts once in the means over participants."));
+    section.note("Each participant counts once in the means over participants.");
     section
 }

@@ -444,7 +444,7 @@ fn write_stimuli(
     }
     files.par_iter().try_for_each(|(name, (recipe, quantizer))| {
         let path = folder.join(name);
-        write_file(&path, &image::recipe_png(&path, recipe, quantizer)?)
+        write_file(&path, &image::recipe_png(&path, recipe, quantizer, image::Finish::Codes)?)
     })?;
     Ok((Stimuli(shown), files.len()))
 }

@@ -5,8 +5,7 @@ mod picture;
 mod read;
 mod write;
 
-pub use picture::{MAX_PIXELS, Origin, Picture, listed, parse_picture, pixels, read_picture};
+pub use picture::{ASSUMED, MAX_PIXELS, Picture, listed, parse_picture, pixels, read_picture};
 pub(super) use read::recipe_text;
-pub use read::{ReadBack, read, verify, verify_content};
-pub(super) use write::recipe_png;
-pub use write::{describe, hash, write_codes, write_halftone, write_recipe, write_reduced, write_shaded};
+pub use read::{verify, verify_content};
+pub use write::{Finish, describe, hash, recipe_png, write_codes, write_recipe, write_shaded};

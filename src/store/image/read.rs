@@ -3,18 +3,13 @@
 use std::{
     io::{BufReader, Cursor, ErrorKind},
     path::Path,
-    str::FromStr,
 };
 
 use png::{BitDepth, ColorType, Decoder, DecodingError, Info, Limits, Transformations};
 
-use super::write::{HALFTONE_KEYWORD, KEYWORD, PALETTE_KEYWORD, SHADED_KEYWORD};
+use super::write::{Finish, HALFTONE_KEYWORD, KEYWORD, PALETTE_KEYWORD, SHADED_KEYWORD, recipe_png};
 use crate::{
-    light::{
-        CodeImage, Samples, Transfer,
-        halftone::{Halftone, Screen},
-        palette::{Reduction, reduce},
-    },
+    light::{CodeImage, Samples, Transfer},
     stimulus::recipe::{MAX_SIZE, Recipe},
     store::{FileErrors, StoreError, file::read_bytes, open::open_regular},
     system::unless_missing,
@@ -54,7 +49,7 @@ pub(super) fn decode(
         fail(format!("is not a complete PNG: {reason}; expected an image"))
     };
     let mut decoder = Decoder::new_with_limits(Cursor::new(content), Limits { bytes: 512 << 20 });
-    decoder.set_transformations(Transformations::EXPAND);
+    decoder.set_transformations(Transformations::EXPAND | Transformations::ALPHA);
     // A color profile may expand a thousandfold when it is decompressed.
     decoder.set_ignore_iccp_chunk(!profile);
     let mut reader = decoder.read_info().map_err(broken)?;
@@ -71,18 +66,13 @@ pub(super) fn decode(
         return Err(fail("is animated; expected one picture".to_owned()));
     }
     let (color, depth) = reader.output_color_type();
-    // Samples per pixel, and how often the first of them is repeated.
-    let (channels, copies, is_opaque) = match color {
-        ColorType::Grayscale => (1, 3, true),
-        ColorType::GrayscaleAlpha => (2, 3, false),
-        ColorType::Rgba => (4, 1, false),
-        _ => (3, 1, true),
-    };
+    // Samples per pixel with its alpha, and how often each of the others is repeated.
+    let (channels, copies) = if color == ColorType::GrayscaleAlpha { (2, 3) } else { (4, 1) };
     // Without this check, a small file that claims to contain a huge image would exhaust the memory.
-    let size = reader.output_buffer_size().filter(|size| *size <= content.len().saturating_mul(MAX_EXPANSION));
-    let Some(size) = size else {
+    if info.raw_bytes() > content.len().saturating_mul(MAX_EXPANSION) {
         return Err(fail(format!("is too short for {width} × {height} pixels; expected a complete PNG")));
-    };
+    }
+    let size = reader.output_buffer_size().unwrap_or_default();
     let mut raw = vec![0; size];
     reader.next_frame(&mut raw).map_err(broken)?;
     if is_beyond_palette(content, &info).map_err(broken)? {
@@ -91,10 +81,10 @@ pub(super) fn decode(
     let transparent =
         || fail("has transparent pixels, and their background is not known; expected an opaque image".to_owned());
     let samples = if depth == BitDepth::Sixteen {
-        let codes = raw.as_chunks::<2>().0.iter().map(|pair| u16::from_be_bytes(*pair)).collect();
-        Samples::Sixteen(colors(codes, channels, copies, is_opaque, u16::MAX).ok_or_else(transparent)?)
+        let codes: Vec<u16> = raw.as_chunks::<2>().0.iter().map(|pair| u16::from_be_bytes(*pair)).collect();
+        Samples::Sixteen(colors(&codes, channels, copies, u16::MAX).ok_or_else(transparent)?)
     } else {
-        Samples::Eight(colors(raw, channels, copies, is_opaque, u8::MAX).ok_or_else(transparent)?)
+        Samples::Eight(colors(&raw, channels, copies, u8::MAX).ok_or_else(transparent)?)
     };
     Ok((CodeImage { width, height, samples }, info))
 }
@@ -118,35 +108,14 @@ fn is_beyond_palette(content: &[u8], info: &Info<'_>) -> Result<bool, DecodingEr
 }
 
 /// Returns red, green and blue of each pixel without its alpha; `None` if a pixel is not opaque.
-fn colors<T: Copy + PartialEq>(
-    samples: Vec<T>,
-    channels: usize,
-    copies: usize,
-    is_opaque: bool,
-    opaque: T,
-) -> Option<Vec<T>> {
-    let colors = channels - usize::from(!is_opaque);
-    if !is_opaque && samples.chunks_exact(channels).any(|pixel| pixel[colors] != opaque) {
+fn colors<T: Copy + PartialEq>(samples: &[T], channels: usize, copies: usize, opaque: T) -> Option<Vec<T>> {
+    let pixels = samples.chunks_exact(channels);
+    if pixels.clone().any(|pixel| pixel[channels - 1] != opaque) {
         return None;
     }
-    if channels == 3 {
-        return Some(samples);
-    }
-    let pixels = samples.chunks_exact(channels);
-    Some(pixels.flat_map(|pixel| &pixel[..colors]).flat_map(|code| std::iter::repeat_n(*code, copies)).collect())
-}
-
-/// An image that this program wrote.
-#[derive(Clone, Debug)]
-pub struct ReadBack {
-    /// How it was made.
-    pub recipe: Recipe,
-    /// The palette it was reduced to, if any.
-    pub reduction: Option<Reduction>,
-    /// The halftone screen it was drawn with, if any.
-    pub halftone: Option<Screen>,
-    /// Its pixels.
-    pub image: CodeImage,
+    let mut colors = Vec::with_capacity(3 * pixels.len());
+    pixels.for_each(|pixel| colors.extend([0, 1, 2].map(|channel| pixel[channel / copies])));
+    Some(colors)
 }
 
 fn text(info: &Info<'_>, keyword: &str) -> Option<String> {
@@ -168,33 +137,8 @@ pub(crate) fn recipe_text(path: &Path) -> std::io::Result<Option<String>> {
     }
 }
 
-/// Reads an image with its recipe.
-///
-/// # Errors
-/// The file is not readable, is not a PNG from this program, or is too large.
-pub fn read(path: &Path) -> Result<ReadBack, StoreError> {
-    parse(&path.display().to_string(), &content(path)?, u64::MAX)
-}
-
-fn parse(name: &str, content: &[u8], pixels: u64) -> Result<ReadBack, StoreError> {
-    let fail = |message: String| StoreError::from(FileErrors::whole(name, message));
-    let (image, info) = decode(name, content, pixels, false, |info| {
-        if let Some(parameters) = text(info, SHADED_KEYWORD) {
-            return Err(format!(
-                "is a shaded mesh, which cannot be verified; expected an image written by `stimulus` or `stimuli`. It was made with {parameters}"
-            ));
-        }
-        recipe_of(info)?;
-        Ok(if text(info, HALFTONE_KEYWORD).is_some() { 16 * MAX_SIZE } else { MAX_SIZE })
-    })?;
-    let recipe = recipe_of(&info).map_err(fail)?;
-    let reduction = parsed(&info, PALETTE_KEYWORD).map_err(fail)?;
-    let halftone = parsed(&info, HALFTONE_KEYWORD).map_err(fail)?;
-    Ok(ReadBack { recipe, reduction, halftone, image })
-}
-
-/// Returns the valid recipe in the header of an image.
-fn recipe_of(info: &Info<'_>) -> Result<Recipe, String> {
+/// Returns the valid recipe in the header of an image, and what became of its codes.
+fn recipe_of(info: &Info<'_>) -> Result<(Recipe, Finish), String> {
     let recipe =
         text(info, KEYWORD).ok_or("has no text chunk `machband`; expected an image that machband wrote".to_owned())?;
     let recipe: Recipe = serde_json::from_str(&recipe)
@@ -203,19 +147,19 @@ fn recipe_of(info: &Info<'_>) -> Result<Recipe, String> {
         let errors: Vec<_> = errors.iter().map(ToString::to_string).collect();
         errors.join("; ")
     })?;
-    Ok(recipe)
-}
-
-fn parsed<T: FromStr<Err: std::fmt::Display>>(info: &Info<'_>, keyword: &str) -> Result<Option<T>, String> {
-    let parsed = text(info, keyword).map(|text| text.parse());
-    parsed.transpose().map_err(|error| format!("its text chunk `{keyword}`: {error}"))
+    let finish = match (text(info, PALETTE_KEYWORD), text(info, HALFTONE_KEYWORD)) {
+        (Some(palette), _) => Finish::Palette(palette.parse()?),
+        (None, Some(halftone)) => Finish::Halftone(halftone.parse()?),
+        (None, None) => Finish::Codes,
+    };
+    Ok((recipe, finish))
 }
 
 /// Verifies an image of at most `pixels` pixels by re-rendering its recipe and comparing every code. Returns a sentence
 /// that describes the image.
 ///
 /// # Errors
-/// The same errors as [`read`]; or the image differs, with the number of differing pixels and the first of them.
+/// The file is not readable, is not a PNG from this program, or is too large; or its codes differ.
 pub fn verify(path: &Path, pixels: u64) -> Result<String, StoreError> {
     verify_content(&path.display().to_string(), &content(path)?, pixels)
 }
@@ -225,66 +169,37 @@ pub fn verify(path: &Path, pixels: u64) -> Result<String, StoreError> {
 /// # Errors
 /// The same errors as [`verify`].
 pub fn verify_content(name: &str, content: &[u8], pixels: u64) -> Result<String, StoreError> {
-    let read = parse(name, content, pixels)?;
-    let (image, recipe) = (&read.image, &read.recipe);
     let fail = |message: String| StoreError::from(FileErrors::whole(name, message));
-    if recipe.size == 0 || recipe.size > MAX_SIZE {
-        return Err(fail(format!("its recipe specifies {} pixels per side; expected 1…{MAX_SIZE}", recipe.size)));
-    }
-    let side = recipe.size * read.halftone.map_or(1, |screen| screen.matrix.size());
-    if (image.width, image.height) != (side, side) {
-        let (width, height) = (image.width, image.height);
+    let (image, info) = decode(name, content, pixels, false, |info| {
+        if let Some(parameters) = text(info, SHADED_KEYWORD) {
+            return Err(format!(
+                "is a shaded mesh, which cannot be verified; expected an image written by `stimulus` or `stimuli`. It was made with {parameters}"
+            ));
+        }
+        recipe_of(info).map(|_| MAX_SIZE)
+    })?;
+    let (recipe, finish) = recipe_of(&info).map_err(fail)?;
+    let (width, height, side) = (image.width, image.height, finish.side(&recipe));
+    if (width, height) != (side, side) {
         return Err(fail(format!("has {width} × {height} pixels; expected {side} per side, according to its recipe")));
     }
-    let expected = read.expected().map_err(&fail)?;
-    if std::mem::discriminant(&expected.samples) != std::mem::discriminant(&image.samples) {
-        return Err(fail(format!("has a different bit depth than its recipe; expected {} bits", recipe.bits)));
+    let made = recipe_png(Path::new(name), &recipe, &recipe.quantizer(), finish)?;
+    let (expected, _) = decode(name, &made, u64::MAX, false, |_| Ok(MAX_SIZE))?;
+    if image != expected {
+        return Err(fail("has other codes than its recipe makes; expected an image that nobody changed".to_owned()));
     }
-    let mut differing = (0..image.height)
-        .flat_map(|y| (0..image.width).map(move |x| (x, y)))
-        .filter(|&(x, y)| image.pixel(x, y) != expected.pixel(x, y))
-        .peekable();
-    match differing.peek().copied() {
-        None => Ok(read.sentence()),
-        Some((x, y)) => {
-            let (found, wanted, count) = (image.pixel(x, y), expected.pixel(x, y), differing.count());
-            Err(fail(format!(
-                "pixels that differ from the recipe: {count}, the first at ({x}, {y}), which is {found:?}; expected {wanted:?}"
-            )))
-        }
-    }
-}
-
-impl ReadBack {
-    /// Renders what the image should be.
-    fn expected(&self) -> Result<CodeImage, String> {
-        let recipe = &self.recipe;
-        if let Some(screen) = self.halftone {
-            return Ok(Halftone::new(screen, &recipe.transfers).enlarged(&recipe.linear()));
-        }
-        let codes = recipe.codes(&recipe.quantizer());
-        match self.reduction {
-            None => Ok(codes),
-            Some(reduction) => reduce(&codes, &recipe.transfers, reduction)
-                .map(|image| image.codes())
-                .map_err(|error| error.to_string()),
-        }
-    }
-
-    fn sentence(&self) -> String {
-        let recipe = &self.recipe;
-        let transfer = match recipe.transfers.uniform() {
-            Some(Transfer::Table(_)) => "measured table".to_owned(),
-            _ => recipe.transfers.to_string(),
-        };
-        let palette = self.reduction.map_or_else(String::new, |reduction| format!(", palette {reduction}"));
-        let halftone = self.halftone.map_or_else(String::new, |screen| format!(", halftone {screen}"));
-        format!(
-            "image of {}, {} pixels per side, {} bits, {transfer}, dither {}{palette}{halftone}: every code matches its recipe",
-            recipe.stimulus.kind(),
-            recipe.size,
-            recipe.bits,
-            recipe.dither,
-        )
-    }
+    let Recipe { stimulus, size, bits, dither, transfers, .. } = &recipe;
+    let transfer = match transfers.uniform() {
+        Some(Transfer::Table(_)) => "measured table".to_owned(),
+        _ => transfers.to_string(),
+    };
+    let finish = match finish {
+        Finish::Codes => String::new(),
+        Finish::Palette(reduction) => format!(", palette {reduction}"),
+        Finish::Halftone(screen) => format!(", halftone {screen}"),
+    };
+    let kind = stimulus.kind();
+    Ok(format!(
+        "image of {kind}, {size} pixels per side, {bits} bits, {transfer}, dither {dither}{finish}: every code matches its recipe"
+    ))
 }

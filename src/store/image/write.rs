@@ -32,50 +32,54 @@ const PROFILE_DATE: std::ops::Range<usize> = 24..36;
 /// # Errors
 /// The same errors as [`Writer::write`].
 pub fn write_recipe(writer: &Writer, path: &Path, recipe: &Recipe, quantizer: &Quantizer) -> Result<(), StoreError> {
-    writer.write(path, &recipe_png(path, recipe, quantizer)?)
+    writer.write(path, &recipe_png(path, recipe, quantizer, Finish::Codes)?)
+}
+
+/// What becomes of the codes of a recipe.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Finish {
+    Codes,
+    /// They are reduced to a palette, in an indexed PNG.
+    Palette(Reduction),
+    /// Each pixel is drawn as a cell of dots, for a device with few codes.
+    Halftone(Screen),
+}
+
+impl Finish {
+    /// Returns the side of the image of this recipe, pixels.
+    pub(super) fn side(self, recipe: &Recipe) -> u32 {
+        if let Self::Halftone(screen) = self { recipe.size.saturating_mul(screen.matrix.size()) } else { recipe.size }
+    }
 }
 
 /// Renders a recipe as the content of the PNG file at `path`.
 ///
 /// # Errors
-/// The image is too large for a PNG.
-pub(in crate::store) fn recipe_png(path: &Path, recipe: &Recipe, quantizer: &Quantizer) -> Result<Vec<u8>, StoreError> {
-    let png = encode(&recipe.codes(quantizer), &recipe.transfers, &[(KEYWORD, describe(recipe))]);
+/// The image is too large for a PNG, or a halftone would have more than [`MAX_PX`] pixels on a side; or the recipe has 16
+/// bits, which a palette cannot have.
+pub fn recipe_png(path: &Path, recipe: &Recipe, quantizer: &Quantizer, finish: Finish) -> Result<Vec<u8>, StoreError> {
+    let (transfers, mut texts) = (&recipe.transfers, vec![(KEYWORD, describe(recipe))]);
+    let png = match finish {
+        Finish::Codes => encode(&recipe.codes(quantizer), transfers, &texts),
+        Finish::Palette(reduction) => {
+            let image = reduce(&recipe.codes(quantizer), transfers, reduction).map_err(|error| failed(path, error))?;
+            let mut info = png::Info::with_size(image.width, image.height);
+            info.color_type = png::ColorType::Indexed;
+            info.palette = Some(Cow::Owned(image.palette.concat()));
+            texts.push((PALETTE_KEYWORD, reduction.to_string()));
+            with_meaning(info, transfers, false, &texts, &image.indices)
+        }
+        Finish::Halftone(screen) => {
+            let side = finish.side(recipe);
+            if side > MAX_PX {
+                let message = format!("the halftone {screen} has {side} pixels on a side; expected at most {MAX_PX}");
+                return Err(FileErrors::whole(path, message).into());
+            }
+            texts.push((HALFTONE_KEYWORD, screen.to_string()));
+            encode(&Halftone::new(screen, transfers).enlarged(&recipe.linear()), transfers, &texts)
+        }
+    };
     png.map_err(|error| failed(path, error))
-}
-
-/// Renders a recipe, reduces it to a palette and writes an indexed PNG.
-///
-/// # Errors
-/// The recipe has 16 bits, which a palette cannot have; the same errors as [`Writer::write`].
-pub fn write_reduced(
-    writer: &Writer,
-    path: &Path,
-    recipe: &Recipe,
-    quantizer: &Quantizer,
-    reduction: Reduction,
-) -> Result<(), StoreError> {
-    let image = reduce(&recipe.codes(quantizer), &recipe.transfers, reduction).map_err(|error| failed(path, error))?;
-    let mut info = png::Info::with_size(image.width, image.height);
-    info.color_type = png::ColorType::Indexed;
-    info.palette = Some(Cow::Owned(image.palette.concat()));
-    let texts = [(KEYWORD, describe(recipe)), (PALETTE_KEYWORD, reduction.to_string())];
-    save(writer, path, with_meaning(info, &recipe.transfers, false, &texts, &image.indices))
-}
-
-/// Renders a recipe as a halftone for a device with few codes, one cell of dots per pixel, and writes it.
-///
-/// # Errors
-/// The image would have more than [`MAX_PX`] pixels on a side; the same errors as [`Writer::write`].
-pub fn write_halftone(writer: &Writer, path: &Path, recipe: &Recipe, screen: Screen) -> Result<(), StoreError> {
-    let side = recipe.size.saturating_mul(screen.matrix.size());
-    if side > MAX_PX {
-        let message = format!("the halftone {screen} has {side} pixels on a side; expected at most {MAX_PX}");
-        return Err(FileErrors::whole(path, message).into());
-    }
-    let image = Halftone::new(screen, &recipe.transfers).enlarged(&recipe.linear());
-    let texts = [(KEYWORD, describe(recipe)), (HALFTONE_KEYWORD, screen.to_string())];
-    save(writer, path, encode(&image, &recipe.transfers, &texts))
 }
 
 /// Writes the image of a shaded mesh, together with the `parameters` it was made with.
@@ -151,7 +155,8 @@ fn with_meaning(
         Some(Transfer::Linear) => Some(1.0),
         Some(Transfer::Gamma(gamma)) => Some(*gamma),
         Some(Transfer::Gog(_) | Transfer::Table(_)) | None => {
-            info.icc_profile = profile(transfers, gray).map(Cow::Owned);
+            let profile = profile(transfers, gray).map_err(std::io::Error::other)?;
+            info.icc_profile = Some(Cow::Owned(profile));
             None
         }
     };
@@ -200,7 +205,7 @@ fn raw_samples(samples: &Samples, gray: bool) -> Cow<'_, [u8]> {
 }
 
 /// Returns the measured transfer functions as an ICC profile with the sRGB primaries.
-fn profile(transfers: &Transfers, gray: bool) -> Option<Vec<u8>> {
+fn profile(transfers: &Transfers, gray: bool) -> Result<Vec<u8>, moxcms::CmsError> {
     let curve = |transfer: &Transfer| {
         let points = (0..CURVE_POINTS).map(|i| {
             let linear = transfer.linear_from_encoded(f64::from(i) / f64::from(CURVE_POINTS - 1));
@@ -219,8 +224,8 @@ fn profile(transfers: &Transfers, gray: bool) -> Option<Vec<u8>> {
         profile.green_trc = curve(green);
         profile.blue_trc = curve(blue);
     }
-    let mut bytes = profile.encode().ok()?;
+    let mut bytes = profile.encode()?;
     // The crate writes the present time. A fixed date, so that the same input always gives the same bytes.
-    bytes.get_mut(PROFILE_DATE)?.copy_from_slice(&[0x07, 0xea, 0, 1, 0, 1, 0, 0, 0, 0, 0, 0]);
-    Some(bytes)
+    bytes[PROFILE_DATE].copy_from_slice(&[0x07, 0xea, 0, 1, 0, 1, 0, 0, 0, 0, 0, 0]);
+    Ok(bytes)
 }

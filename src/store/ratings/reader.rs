@@ -302,15 +302,10 @@ fn gaps(selection: &Selection, sessions: &[SessionRead], reports: &[FileRead]) -
 
 /// Returns the warning about what tables of counts do not contain; `None` if there are no such tables.
 fn counts_warning(inputs: &[Input]) -> Option<FileError> {
-    let mut tables = inputs.iter().filter(|input| input.layout == Layout::Counts);
-    let first = tables.next()?;
-    let others = tables.count();
-    let are = if others == 0 { "is a table".to_owned() } else { format!("and {others} more are tables") };
-    let message = format!(
-        "{are} of counts, so it is not known whether ratings are simulated, or when and in which order they were given; \
-         expected the result files for test–retest agreement, response times, sessions, and the prediction of the vision \
-         model"
-    );
+    let first = inputs.iter().find(|input| input.layout == Layout::Counts)?;
+    let message = "is a table of counts, so it is not known whether ratings are simulated, or when and in which order they were \
+                   given; expected the result files for test–retest agreement, response times, sessions, and the prediction of the \
+                   vision model";
     Some(FileError::whole(&first.path, message))
 }
 
@@ -326,7 +321,6 @@ fn sessions(selection: &Selection, tables: &mut [Rows]) -> Vec<SessionRead> {
                 planned: input.protocol.as_ref().map(|protocol| protocol.main_trials() as u64),
                 rated: 0,
                 skipped: 0,
-                dropped: None,
                 sidecar: input.sidecar.clone(),
             });
             sessions.len() as u32 - 1
@@ -371,7 +365,6 @@ fn read_attempts<'a>(
     let numbers = |column: usize| (column, texts(column).map(rows::ordinal));
     let (trials, attempts) = (numbers(own.trial).1, own.attempt.map(numbers));
     let rated = texts(input.columns.responses[0]).map(|text| rows::is_rating(text, selection.own_scale, false));
-    let dropped = own.dropped.map(|column| texts(column).map(|text| (!text.is_empty()).then_some(text != "0")));
     let one = |row: usize| {
         let wrong = |column: usize, expected: &'static str| RowError::new(row, column, expected);
         let present = |column: usize, expected: &'static str| match texts(column).get(row) {
@@ -390,9 +383,9 @@ fn read_attempts<'a>(
         })?;
         let subject = present(input.columns.subject, "a participant")?;
         let session = present(own.session, "a session")?;
-        let (rated, dropped) = (*rated.get(row), dropped.as_ref().and_then(|dropped| *dropped.get(row)));
+        let rated = *rated.get(row);
         let is_main = phase == Phase::Main;
-        Ok((subject, session, Attempt { session: 0, is_main, trial, attempt, file: 0, row: 0, rated, dropped }))
+        Ok((subject, session, Attempt { session: 0, is_main, trial, attempt, file: 0, row: 0, rated }))
     };
     (0..rows.status.len()).filter(|row| rows.status[*row] != Status::Wrong).for_each(|row| take(row, one(row)));
 }
@@ -410,15 +403,10 @@ struct Attempt {
     /// Index of the row in the file.
     row: u32,
     rated: bool,
-    /// Whether frames were dropped; `None` if this was not measured.
-    dropped: Option<bool>,
 }
 
 /// Sets how these rows are used, and counts the trials of the sessions.
 fn decide(mut attempts: Vec<Attempt>, sessions: &mut [SessionRead], files: &mut [Rows]) {
-    for measured in attempts.iter().filter(|attempt| attempt.is_main && attempt.dropped.is_some()) {
-        sessions[measured.session as usize].dropped = Some(0);
-    }
     attempts.sort_unstable();
     let trial = |row: &Attempt| (row.session, row.is_main, row.trial);
     let mut furthest = (u32::MAX, 0);
@@ -441,7 +429,6 @@ fn decide(mut attempts: Vec<Attempt>, sessions: &mut [SessionRead], files: &mut 
             } else {
                 set(&first, Status::Counts(first.session));
                 session.rated += u64::from(first.rated);
-                session.dropped = session.dropped.map(|n| n + u64::from(first.dropped == Some(true)));
             }
         }
     }
@@ -472,6 +459,7 @@ fn no_row_counts(reports: &[FileRead]) -> FileError {
     let parts: Vec<String> = parts.map(|(n, what)| format!("{n} {what}")).collect();
     let found = match sum(|report| report.rows) {
         0 => "there are no rows".to_owned(),
+        rows if parts.is_empty() => format!("the rows ({rows}) have counts of 0"),
         rows => format!("none of the rows ({rows}) counts: {}", parts.join(", ")),
     };
     let among = if reports.len() > 1 { format!(" in {} files", reports.len()) } else { String::new() };

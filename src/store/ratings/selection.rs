@@ -72,7 +72,6 @@ pub(super) struct RecordColumns {
     pub trial: usize,
     /// Without this column, every trial has one attempt.
     pub attempt: Option<usize>,
-    pub dropped: Option<usize>,
 }
 
 /// The files that are selected for reading.
@@ -98,12 +97,12 @@ const UNKNOWN: &str = "a session file without rows";
 impl Selection {
     /// Selects files, and reports an error for each file that is excluded.
     pub fn new(files: Vec<Input>, options: &ReadOptions) -> (Option<Self>, Vec<FileError>) {
-        let (mut known, mut errors) = (Vec::new(), Vec::new());
+        let (mut inputs, mut errors) = (Vec::new(), Vec::new());
         for mut file in files {
             match kind(&file, options) {
                 Ok(kind) => {
                     file.kind = kind;
-                    known.push(file);
+                    inputs.push(file);
                 }
                 Err(error) => errors.push(error),
             }
@@ -111,12 +110,11 @@ impl Selection {
         // The files of a folder lack the same.
         let mut said = HashSet::new();
         errors.retain(|error| said.insert(error.message.clone()));
-        join_lost_sidecars(&mut known);
-        let chosen = chosen(&known, options);
-        let with_results = known.iter().any(|file| file.is_results() && chosen.contains(&file.kind));
-        let (mut inputs, others): (Vec<Input>, Vec<Input>) =
-            (known.into_iter()).partition(|file| chosen.contains(&file.kind) || (file.kind == UNKNOWN && with_results));
-        errors.extend(others.iter().map(|file| file.left_out(&inputs)));
+        join_lost_sidecars(&mut inputs);
+        if let Some(error) = mixed(&inputs, options) {
+            errors.push(error);
+            return (None, errors);
+        }
         let Some(first) = inputs.first() else { return (None, errors) };
         let protocol = inputs.iter().find_map(|file| file.protocol.clone()).map(Arc::unwrap_or_clone);
         // A table from elsewhere may have any scale.
@@ -157,7 +155,7 @@ impl Columns {
         all.extend(self.factors.iter().copied().chain(single.chain(self.unnamed).flatten()));
         if let Some(own) = self.record {
             all.extend([own.session, own.phase, own.trial]);
-            all.extend([own.experiment, own.attempt, own.dropped].into_iter().flatten());
+            all.extend([own.experiment, own.attempt].into_iter().flatten());
         }
         all
     }
@@ -291,19 +289,6 @@ impl Input {
             |name: &String| name.is_empty() || name == SIMULATED || known.contains(&name.as_str()) || is_response(name);
         self.header.names.iter().filter(|name| !is_known(name)).cloned().collect()
     }
-
-    /// Creates the error for a file that does not match the files that are read.
-    fn left_out(&self, read: &[Self]) -> FileError {
-        let others =
-            if read.len() == 1 { "the other file".to_owned() } else { format!("the other {} files", read.len()) };
-        let like = read.iter().find(|other| other.is_results() == self.is_results()).or(read.first());
-        let expected = like.map_or("another", |other| &other.kind);
-        let message = format!(
-            "is {} and is left out; expected {expected} like {others}: only one experiment is analyzed at a time",
-            self.kind
-        );
-        self.error(0, message)
-    }
 }
 
 /// True if a table has the columns of a session's file.
@@ -340,10 +325,7 @@ fn kind(file: &Input, options: &ReadOptions) -> Result<String, FileError> {
                     format!("definition {}", hash.get(..12).unwrap_or(hash))
                 }
                 None if file.experiment().is_none() => return Ok(UNKNOWN.to_owned()),
-                None => match file.other_columns(options).join(", ") {
-                    other_columns if other_columns.is_empty() => "no sidecar".to_owned(),
-                    other_columns => format!("no sidecar; additional columns {other_columns}"),
-                },
+                None => "no sidecar".to_owned(),
             };
             let name = file.experiment().unwrap_or("without a name");
             Ok(format!("a session of the experiment {name} ({details})"))
@@ -394,26 +376,15 @@ fn join_lost_sidecars(files: &mut [Input]) {
     }
 }
 
-/// Chooses the kinds that are read: the kind with the most files, or the first of several such kinds. If factors were
-/// given, the largest kind of result files and the largest kind of other files are both read.
-fn chosen(files: &[Input], options: &ReadOptions) -> Vec<String> {
-    let mut kinds: Vec<(&Input, usize)> = Vec::new();
-    for file in files {
-        match kinds.iter_mut().find(|(known, _)| known.kind == file.kind) {
-            Some((_, n)) => *n += 1,
-            None => kinds.push((file, 1)),
-        }
-    }
-    let largest = |wanted: &dyn Fn(&Input) -> bool| {
-        let fitting = kinds.iter().filter(|(file, _)| wanted(file));
-        // A session's file without rows is chosen last, because its experiment is unknown.
-        fitting.rev().max_by_key(|(file, n)| (file.kind != UNKNOWN, *n)).map(|(file, _)| file.kind.clone())
-    };
-    if options.factors.is_some() {
-        largest(&Input::is_results).into_iter().chain(largest(&|file| !file.is_results())).collect()
-    } else {
-        largest(&|_| true).into_iter().collect()
-    }
+/// Returns an error if files do not belong together. If factors were given, tables may be read with sessions.
+fn mixed(files: &[Input], options: &ReadOptions) -> Option<FileError> {
+    let known = || files.iter().filter(|file| file.kind != UNKNOWN);
+    known().find_map(|file| {
+        let may_differ = |other: &Input| options.factors.is_some() && other.is_results() != file.is_results();
+        let other = known().find(|other| !may_differ(other)).filter(|other| other.kind != file.kind)?;
+        let (this, that) = (format!("is {}", file.kind), format!("{} is {}", other.name, other.kind));
+        Some(FileError::whole(&file.name, format!("{this}, and {that}; expected files of one experiment")))
+    })
 }
 
 /// Returns which factors are directions: stimulus parameters that are, and those that the options name.
@@ -510,7 +481,6 @@ fn columns(file: &Input, factors: &[String], options: &ReadOptions) -> Result<Co
             phase: needed("phase"),
             trial: needed("trial"),
             attempt: header.position("attempt"),
-            dropped: header.position("dropped_frames"),
         }),
         factors: (factors.iter())
             .filter(|name| Some(*name) != options.wide_factor())

@@ -8,7 +8,7 @@ use std::{
 use super::{
     dataset::{FRAMES_SUFFIX, beside, identity},
     results,
-    seal::{ACCEPTED, Difference, Hashes, gaps},
+    seal::{ACCEPTED, Hashes, gaps},
     sidecar::{Pictures, Sidecar, missing},
 };
 use crate::{
@@ -94,7 +94,8 @@ impl Recorded {
         let (data, columns) = (results::content(csv)?, columns(&protocol));
         let hashes = Hashes::read(csv, &sidecar, Some(&data))?;
         let (whole, partial_line) = results::whole(csv, data.clone(), &columns)?;
-        let mut changed: Vec<FileError> = hashes.differences(csv, &sidecar).iter().map(Difference::error).collect();
+        let mut changed: Vec<FileError> =
+            hashes.differences(csv, &sidecar).into_iter().map(|(_, error)| error).collect();
         changed.extend(sidecar.definition_error(&sidecar_path, &definition::hash(&protocol)));
         let frames = beside(csv, FRAMES_SUFFIX);
         // Rows that cannot be read say nothing about whether the file is the one that was sealed.
@@ -242,15 +243,15 @@ pub(in crate::store) struct Order<'a> {
     is_repaired: bool,
     /// The number of sittings.
     sittings: usize,
-    /// The last attempt of each trial of a session.
-    attempts: HashMap<((&'a str, &'a str), Place), u32>,
-    /// The last row of each session, and the furthest trial of its sitting.
-    last: HashMap<(&'a str, &'a str), (&'a TrialRecord, Place)>,
+    /// The last attempt of each trial.
+    attempts: HashMap<Place, u32>,
+    /// The last row, and the furthest trial of its sitting.
+    last: Option<(&'a TrialRecord, Place)>,
 }
 
 impl<'a> Order<'a> {
     pub fn new(is_repaired: bool, sittings: usize) -> Self {
-        Self { is_repaired, sittings, attempts: HashMap::new(), last: HashMap::new() }
+        Self { is_repaired, sittings, attempts: HashMap::new(), last: None }
     }
 
     /// Returns a message for each reason why a row cannot follow the rows so far.
@@ -259,16 +260,16 @@ impl<'a> Order<'a> {
     }
 
     fn faults(&self, row: &'a TrialRecord) -> Vec<String> {
-        let (session, place, attempt) = (session_of(row), place_of(row), row.attempt);
+        let (place, attempt) = (place_of(row), row.attempt);
         let mut errors = Vec::new();
         if !(1..=self.sittings).contains(&(row.sitting as usize)) {
             errors.push(format!("is of sitting {}; expected 1 to {}, as in the sidecar", row.sitting, self.sittings));
         }
-        let expected = self.attempts.get(&(session, place)).copied().unwrap_or(0) + 1;
+        let expected = self.attempts.get(&place).copied().unwrap_or(0) + 1;
         if attempt != expected && !(self.is_repaired && attempt > expected) {
             errors.push(format!("is attempt {attempt}; expected attempt {expected}"));
         }
-        let Some((above, furthest)) = self.last.get(&session) else { return errors };
+        let Some((above, furthest)) = self.last else { return errors };
         let same_sitting = row.sitting == above.sitting;
         let since = |of: fn(&TrialRecord) -> f64| of(row) - of(above);
         let onset = since(|row| row.onset_s.0);
@@ -281,14 +282,14 @@ impl<'a> Order<'a> {
         {
             errors.push("differs in onset_s and started_at; expected the same time since the row above".to_owned());
         }
-        if attempt == 1 && same_sitting && place <= *furthest {
+        if attempt == 1 && same_sitting && place <= furthest {
             let message = "is not in the planned order; expected practice before main, and trials in ascending order";
             errors.push(message.to_owned());
         } else if attempt > 1
             && !self.is_repaired
             && !(same_sitting && place == place_of(above))
             // A later sitting may repeat the practice, in the planned order.
-            && !(row.phase == Phase::Practice && (!same_sitting || place > *furthest))
+            && !(row.phase == Phase::Practice && (!same_sitting || place > furthest))
         {
             let message =
                 "corrects a rating that is not directly above it; expected a correction directly after the rating";
@@ -300,17 +301,12 @@ impl<'a> Order<'a> {
     /// Adds a row as the last one, and returns its errors.
     pub fn add(&mut self, row: &'a TrialRecord) -> Vec<String> {
         let errors = self.errors(row);
-        let (session, place) = (session_of(row), place_of(row));
-        self.attempts.insert((session, place), row.attempt);
-        let before = self.last.get(&session).filter(|(above, _)| above.sitting == row.sitting);
-        let furthest = before.map_or(place, |(_, furthest)| place.max(*furthest));
-        self.last.insert(session, (row, furthest));
+        let place = place_of(row);
+        self.attempts.insert(place, row.attempt);
+        let before = self.last.filter(|(above, _)| above.sitting == row.sitting);
+        self.last = Some((row, before.map_or(place, |(_, furthest)| place.max(furthest))));
         errors
     }
-}
-
-fn session_of(row: &TrialRecord) -> (&str, &str) {
-    (&row.subject_id, &row.session_id)
 }
 
 fn place_of(row: &TrialRecord) -> Place {

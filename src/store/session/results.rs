@@ -89,75 +89,27 @@ pub fn frames_line(run: &FrameRun, schedule: &Schedule, sitting: u32) -> Option<
     Some(format!("{sitting},{phase},{number},{attempt},{state},{refresh},{}\n", intervals.join(" ")))
 }
 
-/// The frames file of a running session: a CSV file next to the data that contains every frame interval, with one row for each
-/// run of consecutive frames with the same content. Frames describe a session but are not its data, so the session continues if
-/// this file cannot be written. It is created with the first row, so a session without a screen has none.
-#[derive(Debug)]
-pub struct FrameFile(pub(in crate::store) AppendFile);
+/// Prepares the frames file of a new session: a CSV file next to the data that contains every frame interval, with one row for
+/// each run of consecutive frames with the same content. Frames describe a session but are not its data, so the session
+/// continues if this file cannot be written. It is created with the first row, so a session without a screen has none.
+pub fn new_frames(path: &Path) -> AppendFile {
+    AppendFile::new(path, false, frames_header())
+}
 
-impl FrameFile {
-    /// Prepares the file of a new session.
-    pub fn new(path: &Path) -> Self {
-        Self(AppendFile::new(path, false, frames_header()))
+/// Opens the frames file of a resumed session, and keeps its content except for an incomplete last line.
+///
+/// # Errors
+/// The file exists but cannot be read or is not a frames file, so it must not be written to.
+pub fn open_frames(path: &Path) -> Result<AppendFile, StoreError> {
+    if !exists(path)? {
+        return Ok(new_frames(path));
     }
-
-    /// Opens the file of a resumed session, and keeps its content except for an incomplete last line.
-    ///
-    /// # Errors
-    /// The file exists but cannot be read or is not a frames file, so it must not be written to.
-    pub fn resume(path: &Path) -> Result<Self, StoreError> {
-        if !exists(path)? {
-            return Ok(Self::new(path));
-        }
-        let file = AppendFile::open(path, false, frames_header(), MAX_FRAMES)?;
-        if !file.content().starts_with(&frames_header()) {
-            let message = format!("is not a frames file; expected the header {FRAMES_HEADER}");
-            return Err(FileErrors::whole(path, message).into());
-        }
-        Ok(Self(file))
+    let file = AppendFile::open(path, false, frames_header(), MAX_FRAMES)?;
+    if !file.content().starts_with(&frames_header()) {
+        let message = format!("is not a frames file; expected the header {FRAMES_HEADER}");
+        return Err(FileErrors::whole(path, message).into());
     }
-
-    /// True if the file has no rows.
-    pub fn is_empty(&self) -> bool {
-        self.0.content() == frames_header()
-    }
-
-    /// Appends lines. They are kept in memory from now on, and they are in the file when this returns without an error.
-    /// After an error, the next call tries again. A power failure may lose the last rows, because the session does not wait for
-    /// the disk.
-    ///
-    /// # Errors
-    /// I/O errors.
-    pub fn append(&mut self, lines: &[String]) -> Result<(), StoreError> {
-        if self.is_empty() && lines.is_empty() {
-            return Ok(());
-        }
-        self.0.append(lines.concat().as_bytes())
-    }
-
-    /// Writes everything that is not in the file yet, and waits until it is on disk, so that the file can be sealed.
-    ///
-    /// # Errors
-    /// I/O errors.
-    pub fn sync(&mut self) -> Result<(), StoreError> {
-        if self.is_empty() {
-            return Ok(());
-        }
-        self.append(&[])?;
-        self.0.sync()
-    }
-
-    /// Writes everything into a new file and continues there. The old file is not changed.
-    ///
-    /// # Errors
-    /// The new location cannot be written or already has such a file. In that case, the old one stays in use.
-    pub fn continue_in(&mut self, path: &Path) -> Result<(), StoreError> {
-        if self.is_empty() {
-            *self = Self::new(path);
-            return Ok(());
-        }
-        self.0.continue_in(path)
-    }
+    Ok(file)
 }
 
 fn frames_header() -> Vec<u8> {

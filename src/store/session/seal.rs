@@ -5,7 +5,7 @@ use std::{
     collections::BTreeMap,
     fs::File,
     io::{self, Read},
-    path::{Path, PathBuf},
+    path::Path,
 };
 
 use sha2::{Digest as _, Sha256};
@@ -27,51 +27,16 @@ use crate::{
 /// How the incident begins that a user accepted a change of a file.
 pub(in crate::store) const ACCEPTED: &str = "accepted ";
 
+/// When the last seal was made.
+const ENDED: &str = "the session ended";
+
 /// Maximum size of a file that is compared with a seal, in bytes. Frames of 8 hours at 480 Hz have a quarter of it.
 const MAX_HASHED: u64 = 4 << 30;
 
-/// A difference between a file and the seal of a sitting.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Difference {
-    /// The file that differs.
-    pub path: PathBuf,
-    /// Index of the sitting that was sealed.
-    pub sitting: usize,
-    /// True if later sittings followed, so that the seal covers only the beginning of the file.
-    pub is_prefix: bool,
-    /// The recorded hash; `None` if the sitting has no seal, or the file is in none.
-    pub was: Option<String>,
-    /// The hash now, or why there is none.
-    pub is: Result<String, String>,
-}
-
-impl Difference {
-    pub(super) fn error(&self) -> FileError {
-        let since = match self.is_prefix {
-            true => format!("sitting {} ended", self.sitting + 1),
-            false => "the session ended".to_owned(),
-        };
-        let message = match (&self.was, &self.is) {
-            (None, Ok(_)) => {
-                format!("is in no seal, so it was added after {since}; expected only the files of the session")
-            }
-            (None, _) => format!("has no seal although {since}; expected the hashes of the files at that time"),
-            (Some(was), Ok(is)) => format!("was changed since {since}: sha256 {is}; expected {was}"),
-            (Some(_), Err(why)) => format!("{why}; expected the file that the session wrote"),
-        };
-        FileError::whole(&self.path, message)
-    }
-
-    /// Returns a message that the user accepted this difference, with both hashes.
-    pub(super) fn accepted(&self) -> String {
-        let file = self.path.file_name().unwrap_or_default().to_string_lossy();
-        match (&self.was, &self.is) {
-            (None, Ok(is)) => format!("{ACCEPTED}that {file} was added: sha256 {is} now"),
-            (None, _) => format!("{ACCEPTED}that sitting {} has no seal in {file}", self.sitting + 1),
-            (Some(was), Ok(is)) => format!("{ACCEPTED}a change of {file}: sha256 {was} when sealed, {is} now"),
-            (Some(was), Err(why)) => format!("{ACCEPTED}a change of {file}: sha256 {was} when sealed; it {why}"),
-        }
-    }
+/// Returns the incident that the user accepted a difference from a seal, with both hashes.
+pub(super) fn accepted(difference: &FileError) -> String {
+    let file = Path::new(&difference.file).file_name().unwrap_or_default().to_string_lossy();
+    format!("{ACCEPTED}that {file} {}", difference.message)
 }
 
 /// Returns an error for each file of a session that differs from what the session wrote.
@@ -79,7 +44,7 @@ impl Difference {
 /// # Errors
 /// A file exists but cannot be read.
 pub fn errors(csv: &Path, sidecar: &Sidecar) -> Result<Vec<FileError>, StoreError> {
-    Ok(Hashes::read(csv, sidecar, None)?.differences(csv, sidecar).iter().map(Difference::error).collect())
+    Ok(Hashes::read(csv, sidecar, None)?.differences(csv, sidecar).into_iter().map(|(_, error)| error).collect())
 }
 
 /// Returns the SHA-256 of a file; `None` if it does not exist. Reads it in constant memory.
@@ -122,27 +87,31 @@ impl Hashes {
         self.frames.as_ref()?.whole.as_deref()
     }
 
-    /// Returns every difference from the seals, in the order of the sittings: the data file `csv`, the sidecar and the
+    /// Returns every difference from the seals and the index of its sitting, in the order of the sittings: the data file `csv`, the sidecar and the
     /// frames file. The seal of the last sitting covers the whole files, and the seals of earlier sittings cover their
     /// beginnings. Every sitting that ended must have a seal.
-    pub fn differences(&self, csv: &Path, sidecar: &Sidecar) -> Vec<Difference> {
+    pub fn differences(&self, csv: &Path, sidecar: &Sidecar) -> Vec<(usize, FileError)> {
         let [sidecar_path, frames] = [SIDECAR_SUFFIX, FRAMES_SUFFIX].map(|suffix| beside(csv, suffix));
         let last = sidecar.sittings.len().saturating_sub(1);
         let mut found = Vec::new();
         for (sitting, entry) in sidecar.sittings.iter().enumerate() {
             let is_prefix = sitting < last;
+            let since = if is_prefix { format!("sitting {} ended", sitting + 1) } else { ENDED.to_owned() };
             let Some(seal) = &entry.seal else {
                 if entry.ended_at.is_some() || entry.complete {
-                    let (path, is) = (sidecar_path.clone(), Err("has no seal".to_owned()));
-                    found.push(Difference { path, sitting, is_prefix, was: None, is });
+                    let message =
+                        format!("has no seal although {since}; expected the hashes of the files at that time");
+                    found.push((sitting, FileError::whole(&sidecar_path, message)));
                 }
                 continue;
             };
             let mut compare = |path: &Path, is: Result<String, String>, was: &str| {
-                if is.as_deref() != Ok(was) {
-                    let (path, was) = (path.to_owned(), Some(was.to_owned()));
-                    found.push(Difference { path, sitting, is_prefix, was, is });
-                }
+                let message = match is {
+                    Ok(is) if is == was => return,
+                    Ok(is) => format!("was changed since {since}: sha256 {is}; expected {was}"),
+                    Err(why) => format!("{why}; expected the file with sha256 {was} that the session wrote"),
+                };
+                found.push((sitting, FileError::whole(path, message)));
             };
             compare(csv, self.rows.hash(is_prefix.then_some(seal.data_bytes)), &seal.data_sha256);
             compare(&sidecar_path, Ok(sidecar.sha256_at_end_of(sitting)), &seal.sidecar_sha256);
@@ -152,8 +121,10 @@ impl Hashes {
         }
         let added = self.of_frames().filter(|_| is_without_frames(sidecar));
         found.extend(added.map(|is| {
-            let (path, is) = (frames, Ok(is.to_owned()));
-            Difference { path, sitting: last, is_prefix: false, was: None, is }
+            let message = format!(
+                "is in no seal, so it was added after {ENDED}: sha256 {is}; expected only the files of the session"
+            );
+            (last, FileError::whole(&frames, message))
         }));
         found
     }

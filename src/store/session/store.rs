@@ -5,15 +5,15 @@ use std::{path::Path, sync::Arc};
 use super::{
     dataset::{PARTICIPANTS, SessionPaths, enter},
     recorded::{Replays, replay},
-    results::{self, FrameFile},
-    seal::{Difference, Hashes, previous},
+    results,
+    seal::{Hashes, accepted, previous},
     sidecar::{FrameSummary, Seal, Sidecar, Sitting, missing},
 };
 use crate::{
     experiment::{Answers, Course, Identity, Protocol, Replay, Resumed, Schedule, TrialRecord, columns},
     stimulus::Stimulus,
     store::{
-        FileErrors, StoreError, definition,
+        FileError, FileErrors, StoreError, definition,
         file::{AppendFile, LockFile, exists, sha256},
         table,
     },
@@ -28,7 +28,7 @@ pub struct SessionStore {
     rows: AppendFile,
     sidecar: Sidecar,
     /// The frames file; `None` if a different file has its name.
-    frames: Option<FrameFile>,
+    frames: Option<AppendFile>,
     /// True if a failure to write frames has already been noted.
     frames_refused: bool,
     /// Tells other programs that this one is writing the session; `None` if the session is complete, or if a lock of the
@@ -111,7 +111,7 @@ impl SessionStore {
                 return Err(error);
             }
         };
-        let frames = Some(FrameFile::new(&paths.frames));
+        let frames = Some(results::new_frames(&paths.frames));
         let (protocol, identity) = (protocol.clone(), identity.clone());
         Ok(Self { protocol, identity, paths, rows, sidecar, frames, frames_refused: false, lock })
     }
@@ -136,7 +136,7 @@ impl SessionStore {
         let resumed = Resumed { done: replays.done(), ..Resumed::default() };
         let partial_line = rows.partial_line().map(str::to_owned);
         let sitting_number = sidecar.sittings.len() as u32 + 1;
-        let frames = FrameFile::resume(&paths.frames);
+        let frames = results::open_frames(&paths.frames);
         let without_frames = frames.as_ref().err().map(ToString::to_string);
         let (protocol, identity, frames) = (protocol.clone(), identity.clone(), frames.ok());
         let mut store = Self { protocol, identity, paths, rows, sidecar, frames, frames_refused: false, lock: None };
@@ -144,13 +144,13 @@ impl SessionStore {
         // From here on, the files are changed, unless the session is complete.
         if !is_finished {
             store.lock = LockFile::create(&store.paths.csv, store.rows.is_locked())?;
-            if let Some(first) = differences.iter().map(|difference| difference.sitting).min() {
+            if let Some(first) = differences.iter().map(|(sitting, _)| *sitting).min() {
                 let now = store.seal_of_files();
                 store.sidecar.reseal(first, &now);
             }
             store.sidecar.sittings.push(sitting);
             store.note_lock();
-            differences.iter().for_each(|difference| store.note(difference.accepted()));
+            differences.iter().for_each(|(_, difference)| store.note(accepted(difference)));
             if let Some(partial_line) = &partial_line {
                 store.note(format!(
                     "an incomplete last row was removed, and its trial was shown again: {partial_line:?}"
@@ -230,7 +230,7 @@ impl SessionStore {
     /// Appends frames. A failure is noted only once; the next frames trigger another attempt, and the session
     /// continues.
     pub fn append_frames(&mut self, lines: &[String]) {
-        let written = self.frames.as_mut().map_or(Ok(()), |frames| frames.append(lines));
+        let written = self.frames.as_mut().map_or(Ok(()), |frames| frames.append(lines.concat().as_bytes()));
         if let Err(error) = written
             && !std::mem::replace(&mut self.frames_refused, true)
         {
@@ -241,7 +241,7 @@ impl SessionStore {
     /// Returns the name of the frames file, if it contains frames.
     pub fn frames_file(&self) -> Option<String> {
         let frames = self.frames.as_ref().filter(|frames| !frames.is_empty())?;
-        Some(frames.0.path().file_name()?.to_string_lossy().into_owned())
+        Some(frames.path().file_name()?.to_string_lossy().into_owned())
     }
 
     /// Tries again to write everything that is not on disk yet.
@@ -345,7 +345,7 @@ impl SessionStore {
         (sitting.ended_at, sitting.complete) = (Some(ended_at), complete);
         (sitting.frames, sitting.previous) = (frames, previous);
         // Sealed data must survive a power failure.
-        if let Some(Err(error)) = self.frames.as_mut().map(FrameFile::sync) {
+        if let Some(Err(error)) = self.frames.as_mut().map(AppendFile::sync) {
             self.note(format!("the frames are not complete: {error}"));
             self.frames_refused = true;
             self.frames = None;
@@ -358,8 +358,7 @@ impl SessionStore {
     /// Returns the hashes of the files as they are now, without that of the sidecar.
     fn seal_of_files(&self) -> Seal {
         let rows = &self.rows;
-        let frames = self.frames.as_ref().filter(|frames| !frames.is_empty()).map(|frames| &frames.0);
-        let frames = frames.filter(|file| file.path() == self.paths.frames);
+        let frames = self.frames.as_ref().filter(|file| !file.is_empty() && file.path() == self.paths.frames);
         Seal {
             data_bytes: rows.content().len() as u64,
             data_sha256: sha256(rows.content()),
@@ -376,7 +375,7 @@ struct Found {
     rows: AppendFile,
     sidecar: Sidecar,
     /// The differences between the files and their seals, which the user accepted.
-    differences: Vec<Difference>,
+    differences: Vec<(usize, FileError)>,
     course: Course,
     replays: Replays,
     recovered: Vec<TrialRecord>,
@@ -429,8 +428,8 @@ impl Found {
         };
         let differences = Hashes::read(&paths.csv, &sidecar, None)?.differences(&paths.csv, &sidecar);
         if changes == Changes::Refuse && !differences.is_empty() {
-            let errors = differences.iter().map(Difference::error).collect();
-            return Err(StoreError::Altered(FileErrors(errors)));
+            let errors = differences.into_iter().map(|(_, error)| error);
+            return Err(StoreError::Altered(FileErrors(errors.collect())));
         }
         let mismatch = |what: String| FileErrors::whole(&paths.csv, what);
         let schedule = Schedule::new(protocol, identity, sidecar.seed).map_err(|error| mismatch(error.to_string()))?;

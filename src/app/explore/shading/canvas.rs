@@ -6,16 +6,13 @@ use eframe::egui::{
 };
 
 use super::comparison::Comparison;
-use crate::{
-    app::ui::{describe, pixels, secondary, theme},
-    shading::crease,
-};
+use crate::app::ui::{describe, pixels, secondary, theme};
 
 /// Degrees of rotation per press of an arrow key, without and with Shift.
 const STEPS_DEG: [f64; 2] = [5.0, 1.0];
 
 /// The enlargements of the picture; at 1, each of its pixels is one of the screen.
-pub const ZOOMS: [f32; 5] = [1.0, 2.0, 4.0, 8.0, 16.0];
+const ZOOMS: [f32; 5] = [1.0, 2.0, 4.0, 8.0, 16.0];
 
 /// Factor by which the difference between two images is amplified.
 pub const FACTOR: u8 = 16;
@@ -45,7 +42,7 @@ pub struct ViewSettings {
     pub scan: bool,
     /// The ends of the scan line, as shares of the image's width and height.
     pub line: [Pos2; 2],
-    /// One of [`ZOOMS`].
+    /// One of `ZOOMS`.
     pub zoom: f32,
     /// The place in the middle of the enlarged picture, as shares of its width and height.
     pub middle: Pos2,
@@ -68,6 +65,12 @@ impl ViewSettings {
     /// Returns the first column of the right picture.
     pub fn column(&self, width: u32) -> u32 {
         (self.divider.clamp(0.0, 1.0) * f64::from(width)).round() as u32
+    }
+
+    /// Returns the next larger or smaller enlargement, if there is one.
+    pub fn next_zoom(&self, larger: bool) -> Option<f32> {
+        let at = ZOOMS.iter().position(|zoom| *zoom >= self.zoom)?;
+        ZOOMS.get(if larger { at + 1 } else { at.checked_sub(1)? }).copied()
     }
 
     /// Returns where the whole picture is, of which `rect` shows a part when it is enlarged.
@@ -137,10 +140,8 @@ fn zoom(ui: &egui::Ui, response: &Response, rect: Rect, settings: &mut ViewSetti
         input.events.iter().map(wheel).sum::<f32>()
     });
     let Some(at) = response.hover_pos().filter(|_| notches != 0.0) else { return };
-    let index = ZOOMS.iter().position(|zoom| *zoom >= settings.zoom).unwrap_or_default();
     let place = share(settings.whole(rect), at);
-    let next = if notches > 0.0 { (index + 1).min(ZOOMS.len() - 1) } else { index.saturating_sub(1) };
-    settings.zoom = ZOOMS[next];
+    settings.zoom = settings.next_zoom(notches > 0.0).unwrap_or(settings.zoom);
     settings.middle = place + (rect.center() - at) / (rect.size() * settings.zoom);
     settings.middle = settings.middle.clamp(Pos2::ZERO, Pos2::new(1.0, 1.0));
 }
@@ -269,19 +270,8 @@ fn share(rect: Rect, at: Pos2) -> Pos2 {
 const SCALE: Vec2 = Vec2::new(120.0, 12.0);
 const STEPS: usize = 40;
 
-/// Returns a color of the visible difference from the smooth surface.
-pub fn heat(share: f64) -> Color32 {
-    let [r, g, b] = crease::color(share).map(|encoded| (encoded * 255.0).round() as u8);
-    Color32::from_rgb(r, g, b)
-}
-
-/// Returns a color of the difference between codes.
-pub fn gray(share: f64) -> Color32 {
-    Color32::from_gray((share * 255.0).round() as u8)
-}
-
-/// Draws a scale of colors between the names of its ends.
-pub fn key(ui: &mut egui::Ui, least: &str, color: impl Fn(f64) -> Color32, most: &str) {
+/// Draws a scale of encoded colors between the names of its ends.
+pub fn key(ui: &mut egui::Ui, least: &str, color: impl Fn(f64) -> [f64; 3], most: &str) {
     ui.label(secondary(least));
     let (rect, response) = ui.allocate_exact_size(SCALE, Sense::hover());
     describe(&response, &format!("Key: from {least} to {most}"));
@@ -289,7 +279,8 @@ pub fn key(ui: &mut egui::Ui, least: &str, color: impl Fn(f64) -> Color32, most:
     for i in 0..STEPS {
         let left = rect.left() + step * i as f32;
         let part = Rect::from_x_y_ranges(left..=left + step, rect.y_range());
-        ui.painter().rect_filled(part, 0.0, color(i as f64 / (STEPS - 1) as f64));
+        let [r, g, b] = color(i as f64 / (STEPS - 1) as f64).map(|encoded| (encoded * 255.0).round() as u8);
+        ui.painter().rect_filled(part, 0.0, Color32::from_rgb(r, g, b));
     }
     // A wider page would change the size of the picture, and thus what is measured.
     ui.add(Label::new(secondary(most)).truncate());

@@ -116,7 +116,9 @@ impl MeshChoice {
 pub fn title(shade: &Shade) -> String {
     let mut text = shader_title(shade.shader);
     if shade.has_strip() {
-        text += &format!(" ({}, {})", depth_title(shade.depth), rounded(shade.boundary));
+        // At most three decimals.
+        let boundary = (shade.boundary * 1000.0).round() / 1000.0;
+        text += &format!(" ({}, {boundary})", depth_title(shade.depth));
     }
     if shade.shader.interpolates_light() {
         for (correction, name) in [(shade.vertex, "vertex"), (shade.reweight, "reweighted")] {
@@ -141,9 +143,4 @@ pub fn shader_title(shader: Shader) -> String {
 /// Returns the continuity depth on the page.
 pub fn depth_title(depth: Depth) -> String {
     if depth == Depth::Infinite { "∞".to_owned() } else { depth.to_string() }
-}
-
-/// Rounds to at most three decimals.
-fn rounded(value: f64) -> f64 {
-    (value * 1000.0).round() / 1000.0
 }

@@ -2,15 +2,12 @@
 
 use std::ops::RangeInclusive;
 
-use eframe::egui::{self, Label, RichText, Slider};
+use eframe::egui::{self, RichText};
 use glam::DVec3;
 
 use super::comparison::{Comparison, MeshChoice, depth_title, shader_title};
 use crate::{
-    app::ui::{
-        Field, secondary, text,
-        theme::{focus_ring, ink},
-    },
+    app::ui::{Field, secondary, theme::ink},
     light::Depth,
     shading::{Correction, Highlight, Scene, Shade, Shader, shapes::Shape},
 };
@@ -18,7 +15,7 @@ use crate::{
 /// Width of the labels, points.
 const LABEL: f32 = 84.0;
 /// Maximum of the slider for vertices; a file can have more.
-const MAX_VERTICES: f64 = 20_000.0;
+const MAX_VERTICES: usize = 20_000;
 /// Distance of the eye in a perspective view, radii.
 const PERSPECTIVE: f64 = 3.0;
 /// The colors of the surface.
@@ -67,24 +64,16 @@ pub fn mesh(ui: &mut egui::Ui, compared: &mut Comparison) {
         meshes.push(compared.mesh.clone());
     }
     field("Mesh", "Shape of the mesh").choice(ui, &mut compared.mesh, &meshes, MeshChoice::title);
-    field("Vertices", "Number of vertices").show(ui, |ui, _| match &mut compared.mesh {
+    let row = field("Vertices", "Number of vertices").log();
+    match &mut compared.mesh {
         MeshChoice::Named(shape, vertices) if shape.has_vertices() => {
             // Another shape may need more vertices.
             *vertices = (*vertices).max(shape.min_vertices());
-            ui.spacing_mut().slider_width = (ui.available_width() - 62.0).max(60.0);
-            let range = shape.min_vertices() as f64..=MAX_VERTICES;
-            let mut number = *vertices as f64;
-            let slider = Slider::new(&mut number, range).logarithmic(true).step_by(1.0).max_decimals(0);
-            let response = ui.add(slider);
-            focus_ring(ui, &response);
-            text::name(ui, &response, "Number of vertices");
-            if response.changed() {
-                *vertices = number as usize;
-            }
+            row.slider(ui, vertices, shape.min_vertices()..=MAX_VERTICES, 1.0);
         }
         // The row stays, so that what follows does not move.
-        _ => drop(ui.add_sized([0.0, ui.spacing().interact_size.y], Label::new(secondary("as in the mesh")).extend())),
-    });
+        _ => _ = row.show(ui, |ui, _| ui.horizontal(|ui| ui.label(secondary("as in the mesh")))),
+    }
     let names = [("Rotate x", "Rotate about x"), ("Rotate y", "Rotate about y"), ("Rotate z", "Rotate about z")];
     for ((label, name), degrees) in names.into_iter().zip(&mut compared.scene.rotate_deg) {
         field(label, name).suffix("°").slider(ui, degrees, -180.0..=180.0, 1.0);

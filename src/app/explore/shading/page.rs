@@ -5,23 +5,25 @@ use std::{
     sync::Arc,
 };
 
-use eframe::egui::{self, Key, Label, Rect, RichText, ScrollArea, TextureHandle, UiBuilder};
+use eframe::egui::{self, Key, Label, Pos2, Rect, RichText, UiBuilder};
 use serde_json::{Value, json};
 
 use super::{
-    canvas::{self, FACTOR, Layer, ViewSettings, ZOOMS},
+    canvas::{self, FACTOR, Layer, ViewSettings},
     comparison::{Comparison, MeshChoice, title},
     controls,
-    pictures::{Difference, Measured, Measurement, Picture, Pictures, SHORTER_SIDE_DEG, SIDE_PX, Scan, divided},
+    pictures::{Measured, Picture, Pictures, SHORTER_SIDE_DEG, SIDE_PX, Scan, difference, divided, visible},
 };
 use crate::{
     app::ui::{
-        Bench, Dialog, Field, FileKind, History, Saving, escaped, folded, hint, say, secondary, text,
+        Bench, Dialog, Field, FileKind, History, Saving, escaped, hint, say, secondary, text,
         theme::{self, BODY, SECTION, ink},
+        work::{Kept, Latest},
     },
     display::DisplayProfile,
     light::CodeImage,
-    shading::Surface,
+    report::document::numbers::whole,
+    shading::{Surface, crease},
     store::{self, StoreError},
 };
 
@@ -29,10 +31,8 @@ use crate::{
 const PLOTS: f32 = 190.0;
 /// Height of the view in one column, points.
 const NARROW_VIEW: f32 = 560.0;
-/// Height of the numbers below the picture, points.
-const NUMBERS: f32 = 180.0;
-/// The same height while they are closed.
-const CLOSED: f32 = 26.0;
+/// Height of the line below the picture, points.
+const NOTE: f32 = 26.0;
 /// Width of the controls of the zoom, points.
 const ZOOM: f32 = 160.0;
 /// Height of the first sentence, points: two lines.
@@ -49,16 +49,15 @@ pub struct ShadingPage {
     /// The last valid mesh and its surface.
     surface: Option<(MeshChoice, Arc<Surface>)>,
     pictures: Option<Pictures>,
-    visible: Measurement,
-    scan: Option<Scan>,
-    difference: Option<Difference>,
+    /// How visible the differences from the smooth surface are, by the edition of the pictures.
+    visible: Latest<u64, Measured>,
+    scan: Kept<(u64, [Pos2; 2]), Scan>,
+    difference: Kept<u64, Picture>,
     file: FileField,
     /// The name of the exported file that the user typed; `None` for the suggested one.
     typed: Option<String>,
     saving: Saving,
     dragging: bool,
-    /// Whether the raw numbers are shown.
-    details: bool,
 }
 
 /// The field for the path of a mesh.
@@ -168,8 +167,7 @@ impl ShadingPage {
         self.explain(ui);
         let titles = self.compared.sides.each_ref().map(title);
         self.titles(ui, &titles);
-        let numbers = if self.details { NUMBERS } else { CLOSED };
-        let below = numbers + if self.settings.scan { PLOTS + 8.0 } else { 0.0 };
+        let below = NOTE + if self.settings.scan { PLOTS + 8.0 } else { 0.0 };
         let rest = ui.available_rect_before_wrap();
         let room = Rect::from_min_max(rest.min, rest.max - egui::vec2(0.0, below.min(rest.height() * 0.6)));
         let (rect, size) = canvas::whole_pixels(ui.ctx(), room);
@@ -180,12 +178,13 @@ impl ShadingPage {
         canvas::draw_marks(ui, rect, &self.settings);
         let lower = Rect::from_min_max(egui::pos2(rest.left(), rect.bottom() + 6.0), rest.max);
         let mut lower = ui.new_child(UiBuilder::new().max_rect(lower));
-        if self.settings.scan {
-            self.numbers(&mut lower);
-        } else {
-            ScrollArea::vertical().id_salt("numbers").show(&mut lower, |ui| self.numbers(ui));
+        if let Some(pictures) = &self.pictures {
+            let triangles = whole(pictures.frame.triangles.len() as u64);
+            let told =
+                format!("Predicted for a shorter side of {SHORTER_SIDE_DEG}°. {triangles} triangles face the viewer.");
+            hint(&mut lower, told);
         }
-        if let Some(scan) = self.scan.as_ref().filter(|_| self.settings.scan) {
+        if let Some(scan) = self.scan.last().filter(|_| self.settings.scan) {
             scan.show(&mut lower, &titles);
         }
     }
@@ -220,15 +219,14 @@ impl ShadingPage {
                 ui.add_space(-ui.spacing().item_spacing.x);
             }
             group(ui, "Zoom");
-            let nearest = ZOOMS.iter().position(|zoom| *zoom >= settings.zoom).unwrap_or_default();
-            let step = |ui: &mut egui::Ui, text: &str, name: &str, to: Option<&f32>| {
+            let step = |ui: &mut egui::Ui, text: &str, name: &str, to: Option<f32>| {
                 let button = ui.add_enabled(to.is_some(), egui::Button::new(text));
                 text::name(ui, &button, name);
-                button.on_hover_text(name).clicked().then(|| to.copied()).flatten()
+                to.filter(|_| button.on_hover_text(name).clicked())
             };
-            let less = step(ui, "−", "Zoom out", nearest.checked_sub(1).and_then(|index| ZOOMS.get(index)));
+            let less = step(ui, "−", "Zoom out", settings.next_zoom(false));
             ui.add(Label::new(format!("{:.0} %", settings.zoom * 100.0)).extend());
-            let more = step(ui, "+", "Zoom in", ZOOMS.get(nearest + 1));
+            let more = step(ui, "+", "Zoom in", settings.next_zoom(true));
             settings.zoom = less.or(more).unwrap_or(settings.zoom);
         });
     }
@@ -248,12 +246,12 @@ impl ShadingPage {
                 Layer::Split => text::two_lines(ui, drag, ink(ui).dim, 2),
                 Layer::Difference => {
                     let most = format!("{} codes apart or more", u8::MAX.div_ceil(FACTOR));
-                    canvas::key(ui, "the same code", canvas::gray, &most);
+                    canvas::key(ui, "the same code", |share| [share; 3], &most);
                 }
                 Layer::Visible => {
                     let most =
                         self.measured().map_or_else(|_| String::new(), |known| format!("{:.1} ", known.full_scale));
-                    canvas::key(ui, "as the smooth surface", canvas::heat, &format!("{most}times the threshold"));
+                    canvas::key(ui, "as the smooth surface", crease::color, &format!("{most}times the threshold"));
                 }
             }
         });
@@ -266,13 +264,6 @@ impl ShadingPage {
         let height = ui.spacing().interact_size.y;
         ui.horizontal(|ui| {
             ui.set_min_height(height);
-            if self.settings.layer == Layer::Difference {
-                ui.label(text(0));
-                ui.label("minus");
-                ui.label(text(1));
-                ui.label(format!("in codes, amplified × {FACTOR}"));
-                return;
-            }
             let layouts = [egui::Layout::left_to_right, egui::Layout::right_to_left];
             let is_shown = [self.settings.divider > 0.0, self.settings.divider < 1.0];
             ui.columns(2, |columns| {
@@ -300,14 +291,20 @@ impl ShadingPage {
         };
         let pictures =
             Pictures::updated(ctx, self.pictures.take(), surface, (&self.compared, &self.display.transfers), size);
+        let (edition, line) = (pictures.edition, self.settings.line);
         if !self.dragging {
-            self.visible.want(ctx, &pictures);
+            self.visible.want(ctx, edition, || {
+                let (ctx, compared, surface) = (ctx.clone(), pictures.compared.clone(), pictures.surface.clone());
+                let size = pictures.size();
+                move || visible(&ctx, &compared, &surface, size)
+            });
         }
         if self.settings.scan {
-            self.scan = Some(Scan::updated(self.scan.take(), &pictures, self.settings.line));
+            self.scan.get((edition, line), || Scan::new(&pictures, line));
         }
         if self.settings.layer == Layer::Difference {
-            self.difference = Some(Difference::updated(ctx, self.difference.take(), &pictures));
+            let codes = || difference(pictures.sides.each_ref().map(|side| &side.codes));
+            self.difference.get(edition, || Picture::new(ctx, codes()));
         }
         self.pictures = Some(pictures);
     }
@@ -315,7 +312,7 @@ impl ShadingPage {
     /// Returns how visible the differences are, or why that is not known.
     fn measured(&self) -> Result<&Measured, String> {
         let edition = self.pictures.as_ref().map_or(0, |pictures| pictures.edition);
-        match self.visible.get(edition) {
+        match self.visible.get(&edition) {
             None => Err("Computing…".to_owned()),
             Some(Err(error)) => Err(format!("Not available: {error}.")),
             Some(Ok(measured)) => Ok(measured),
@@ -324,53 +321,14 @@ impl ShadingPage {
 
     fn draw(&self, ui: &egui::Ui, rect: Rect) {
         let Some(pictures) = &self.pictures else { return };
-        let textures = match (self.settings.layer, &self.difference, self.visible.textures(pictures.edition)) {
-            (Layer::Difference, Some(difference), _) => [difference.texture.id(); 2],
+        let textures = match (self.settings.layer, self.difference.last(), self.measured()) {
+            (Layer::Difference, Some(difference), _) => [difference.id(); 2],
             (Layer::Difference, None, _) => return,
-            (Layer::Visible, _, Some(maps)) => maps.each_ref().map(TextureHandle::id),
+            (Layer::Visible, _, Ok(measured)) => measured.maps.each_ref().map(Picture::id),
             // Until the maps are ready, the images themselves are shown.
             _ => pictures.sides.each_ref().map(Picture::id),
         };
         canvas::draw(ui, rect, textures, pictures.size(), &self.settings);
-    }
-
-    /// Draws the table of visible differences.
-    fn numbers(&mut self, ui: &mut egui::Ui) {
-        let Some(pictures) = &self.pictures else { return };
-        ui.spacing_mut().interact_size.y = 14.0;
-        let details = egui::CollapsingHeader::new(secondary("Details")).id_salt("numbers").open(Some(self.details));
-        if folded(ui, details, |_| ()).header_response.clicked() {
-            self.details = !self.details;
-        }
-        if !self.details {
-            return;
-        }
-        egui::Grid::new("numbers").spacing([16.0, 2.0]).show(ui, |ui| {
-            ui.label("");
-            for (side, color) in ["left", "right"].into_iter().zip(ink(ui).sides()) {
-                ui.label(RichText::new(side).small().color(color));
-            }
-            ui.end_row();
-            let known = self.visible.get(pictures.edition);
-            let cell = |number: &dyn Fn(&Measured) -> Option<String>| match known {
-                None => "…".to_owned(),
-                Some(found) => found.as_ref().ok().and_then(number).unwrap_or_else(|| "—".to_owned()),
-            };
-            let largest = |which: usize| cell(&|found| Some(format!("{:.1}", found.largest[which])));
-            let relative = |which: usize| cell(&|found| Some(format!("{:.2}", found.over_gouraud[which]?)));
-            for (name, cells) in [
-                ("visible difference, times the threshold", [0, 1].map(largest)),
-                ("visible difference relative to Gouraud", [0, 1].map(relative)),
-            ] {
-                ui.label(secondary(name));
-                for (cell, color) in cells.into_iter().zip(ink(ui).sides()) {
-                    ui.label(RichText::new(cell).small().color(color));
-                }
-                ui.end_row();
-            }
-        });
-        let triangles = pictures.frame.triangles.len();
-        hint(ui, format!("Triangles facing the viewer: {triangles}. The shorter side counts as {SHORTER_SIDE_DEG}°."));
     }
 
     /// Says how visible the differences from the smooth surface are.
@@ -387,13 +345,11 @@ impl ShadingPage {
     fn pixels(&self) -> Option<CodeImage> {
         let pictures = self.pictures.as_ref()?;
         if self.settings.layer == Layer::Difference {
-            return Some(self.difference.as_ref()?.codes.clone());
+            return Some(self.difference.last()?.codes.clone());
         }
-        let [left, right] = match self.settings.layer {
-            Layer::Visible => self.measured().ok()?.maps.clone(),
-            _ => pictures.sides.each_ref().map(|side| side.codes.clone()),
-        };
-        Some(divided([&left, &right], self.settings.column(left.width)))
+        let sides = if self.settings.layer == Layer::Visible { &self.measured().ok()?.maps } else { &pictures.sides };
+        let [left, right] = sides.each_ref().map(|side| &side.codes);
+        Some(divided([left, right], self.settings.column(left.width)))
     }
 
     /// Draws the controls that save the view as PNG.

@@ -4,15 +4,15 @@
 
 use std::sync::Arc;
 
-use eframe::egui::{self, ColorImage, Pos2, TextureHandle, TextureId};
+use eframe::egui::{self, Pos2, TextureHandle, TextureId};
 use egui_plot::Line;
 use glam::{DVec2, DVec3};
 
 use super::{canvas::FACTOR, comparison::Comparison};
 use crate::{
-    app::ui::{describe, hint, pixels, still_plot, theme::ink, work::Latest},
+    app::ui::{describe, hint, pixels, still_plot, theme::ink},
     light::{Bits, CodeImage, Quantizer, Samples, Transfers},
-    shading::{Frame, Shade, Shader, Surface, crease, image},
+    shading::{Frame, Shade, Surface, crease, image},
     stimulus::{Judged, ViewingConditions, along, emitted},
     vision::luminance,
 };
@@ -25,12 +25,8 @@ pub struct Picture {
 }
 
 impl Picture {
-    fn draw(ctx: &egui::Context, frame: &Frame, shade: &Shade, quantizer: &Quantizer) -> Picture {
-        let codes = quantizer.quantize(&image(frame, shade));
-        let size = [codes.width, codes.height].map(|side| side as usize);
-        let pixels = ColorImage::from_rgb(size, codes.bytes().unwrap_or_default());
-        let texture = pixels::load(ctx, "shading", Arc::new(pixels));
-        Picture { codes, texture }
+    pub fn new(ctx: &egui::Context, codes: CodeImage) -> Self {
+        Self { texture: pixels::texture(ctx, "shading", &codes), codes }
     }
 
     /// Returns the picture's texture in egui.
@@ -78,32 +74,15 @@ impl Pictures {
         }
         let frame = compared.scene.frame(surface, size[0], size[1]);
         let quantizer = Quantizer::new(transfers.clone(), Bits::Eight);
-        let draw = |which: usize| Picture::draw(ctx, &frame, &compared.sides[which], &quantizer);
-        let sides = [0, 1].map(draw);
+        let sides = compared.sides.map(|side| Picture::new(ctx, quantizer.quantize(&image(&frame, &side))));
         let (compared, transfers) = (compared.clone(), transfers.clone());
         Pictures { compared, transfers, surface: surface.clone(), edition, frame, sides }
     }
 }
 
-/// The difference between two images, and the version of the images that it was computed from.
-pub struct Difference {
-    edition: u64,
-    pub codes: CodeImage,
-    /// The difference as a texture.
-    pub texture: TextureHandle,
-}
-
-impl Difference {
-    /// Returns the amplified difference of `pictures`, or `before` if it is up to date.
-    pub fn updated(ctx: &egui::Context, before: Option<Self>, pictures: &Pictures) -> Difference {
-        if let Some(before) = before.filter(|before| before.edition == pictures.edition) {
-            return before;
-        }
-        let [left, right] = &pictures.sides;
-        let codes = combined(&left.codes, &right.codes, |_, left, right| left.abs_diff(right).saturating_mul(FACTOR));
-        let texture = pixels::texture(ctx, "difference", &codes);
-        Difference { edition: pictures.edition, codes, texture }
-    }
+/// Returns the amplified difference of two images.
+pub fn difference([left, right]: [&CodeImage; 2]) -> CodeImage {
+    combined(left, right, |_, left, right| left.abs_diff(right).saturating_mul(FACTOR))
 }
 
 /// Returns the left image up to a column and the right image from that column on, as at the divider.
@@ -128,52 +107,21 @@ pub const SHORTER_SIDE_DEG: f64 = 10.0;
 pub struct Measured {
     /// The largest difference, times threshold.
     pub largest: [f64; 2],
-    /// The same relative to Gouraud's, if that differs at all.
-    pub over_gouraud: [Option<f64>; 2],
-    pub maps: [CodeImage; 2],
+    pub maps: [Picture; 2],
     /// The difference with the last color of the maps.
     pub full_scale: f64,
-}
-
-/// The measurement of the displayed images.
-#[derive(Default)]
-pub struct Measurement {
-    latest: Latest<u64, Measured>,
-    textures: Option<(u64, [TextureHandle; 2])>,
-}
-
-impl Measurement {
-    /// Starts to measure the images, unless that is done or in progress.
-    pub fn want(&mut self, ctx: &egui::Context, pictures: &Pictures) {
-        let edition = pictures.edition;
-        self.latest.want(ctx, edition, || {
-            let (compared, surface) = (pictures.compared.clone(), Arc::clone(&pictures.surface));
-            let size = pictures.size();
-            move || visible(&compared, &surface, size)
-        });
-        if let Some(Ok(measured)) = self.latest.get(&edition)
-            && self.textures.as_ref().is_none_or(|(of, _)| *of != edition)
-        {
-            self.textures = Some((edition, measured.maps.each_ref().map(|map| pixels::texture(ctx, "map", map))));
-        }
-    }
-
-    /// Returns the measurement of this version of the images, or why there is none; `None` while it is computed.
-    pub fn get(&self, edition: u64) -> Option<&Result<Measured, String>> {
-        self.latest.get(&edition)
-    }
-
-    /// Returns the maps as textures, if available.
-    pub fn textures(&self, edition: u64) -> Option<&[TextureHandle; 2]> {
-        self.textures.as_ref().filter(|(of, _)| *of == edition).map(|(_, textures)| textures)
-    }
 }
 
 /// The color of a map beside the mesh, encoded.
 const BESIDE: [f64; 3] = [0.2; 3];
 
-/// Judges how visible the difference from the smooth surface is, also relative to Gouraud's.
-fn visible(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Result<Measured, String> {
+/// Judges how visible the difference from the smooth surface is, on pictures of this size.
+pub fn visible(
+    ctx: &egui::Context,
+    compared: &Comparison,
+    surface: &Surface,
+    size: [u32; 2],
+) -> Result<Measured, String> {
     let frame = compared.scene.frame(surface, SIDE_PX, SIDE_PX).unpainted();
     let viewing = ViewingConditions::new(SHORTER_SIDE_DEG);
     let judged = Judged::known(&frame);
@@ -182,10 +130,6 @@ fn visible(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Result<M
         found.map_err(|error| error.to_string())?.ok_or_else(|| "the smooth surface is not known".to_owned())
     };
     let sides = [judge(&compared.sides[0])?, judge(&compared.sides[1])?];
-    let gouraud = match compared.sides.iter().position(Shade::is_gouraud) {
-        Some(which) => sides[which].largest,
-        None => judge(&Shade::new(Shader::Gouraud))?.largest,
-    };
     let full_scale = sides.iter().map(|side| side.largest).fold(1.0, f64::max);
     let maps = sides.each_ref().map(|side| {
         let (times, [across, down]) = (side.map.enlarged(), size);
@@ -202,11 +146,9 @@ fn visible(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Result<M
             color.map(|encoded| (encoded * 255.0).round() as u8)
         };
         let codes = (0..down).flat_map(|y| (0..across).map(move |x| (x, y))).flat_map(|(x, y)| color(x, y));
-        CodeImage { width: across, height: down, samples: Samples::Eight(codes.collect()) }
+        Picture::new(ctx, CodeImage { width: across, height: down, samples: Samples::Eight(codes.collect()) })
     });
-    let largest = sides.each_ref().map(|side| side.largest);
-    let over_gouraud = largest.map(|largest| (gouraud > 0.0).then(|| largest / gouraud));
-    Ok(Measured { largest, over_gouraud, maps, full_scale })
+    Ok(Measured { largest: sides.map(|side| side.largest), maps, full_scale })
 }
 
 /// Samples per pixel of the scan line, and the maximum number of samples.
@@ -218,18 +160,13 @@ type Curve = Vec<Vec<[f64; 2]>>;
 
 /// The curves of both sides. The horizontal axis is the distance from the start of the line in pixels.
 pub struct Scan {
-    edition: u64,
-    line: [Pos2; 2],
     light: [Curve; 2],
     slope: [Curve; 2],
 }
 
 impl Scan {
-    /// Returns the curves along the scan line, or `before` if they are up to date.
-    pub fn updated(before: Option<Scan>, pictures: &Pictures, line: [Pos2; 2]) -> Scan {
-        if let Some(before) = before.filter(|before| before.edition == pictures.edition && before.line == line) {
-            return before;
-        }
+    /// Returns the curves along a line.
+    pub fn new(pictures: &Pictures, line: [Pos2; 2]) -> Self {
         let (frame, compared) = (&pictures.frame, &pictures.compared);
         let size = DVec2::new(f64::from(frame.view.width), f64::from(frame.view.height));
         let ends = line.map(|end| DVec2::new(f64::from(end.x), f64::from(end.y)) * size);
@@ -245,7 +182,7 @@ impl Scan {
             pieces.map(|piece| piece.iter().flatten().copied().collect()).collect::<Curve>()
         });
         let slope = light.each_ref().map(|curve| curve.iter().map(|piece| slopes(piece)).collect());
-        Scan { edition: pictures.edition, line, light, slope }
+        Self { light, slope }
     }
 
     /// Draws both plots side by side in the remaining space of the page.
