@@ -233,9 +233,8 @@ impl Simulation<'_> {
         let all = || schedule.conditions.iter().map(|condition| &condition.stimulus);
         if protocol.task.is_default() && (complete || self.hashes.get().is_some()) {
             let hashes = self.hashes.get_or_init(|| self.hash(&all().collect::<Vec<_>>()));
-            let pictures = all().zip(hashes.iter().cloned()).enumerate();
-            let rated = pictures.filter(|(i, _)| complete || conditions.contains(i));
-            store.note_pictures(rated.map(|(_, picture)| picture));
+            let was_shown = |stimulus: &Stimulus| complete || shown.contains_key(&stimulus.key());
+            store.note_pictures(all().zip(hashes.iter().cloned()).filter(|(stimulus, _)| was_shown(stimulus)));
         } else {
             let shown: Vec<&Stimulus> = shown.values().collect();
             let hashes = self.hash(&shown);

@@ -1,4 +1,4 @@
-//! Charts of means and of the model's effects. As in Figure 4 of Bangay's paper, one chart shows the means by one factor, with
+//! Charts of means. As in Figure 4 of Bangay's paper, one chart shows the means by one factor, with
 //! one line for each level of the other factor, and a second chart shows the reverse. Both exist for the measured means and for
 //! the means that the vision model predicts. Other charts show the means by direction and by participant.
 
@@ -10,15 +10,14 @@ use super::{
     labels::{self, chosen, evenly},
     palette::{GRAY, MAX_SERIES, Series, Stroke},
     svg::{Point, Svg, WIDTH},
-    tasks,
 };
 use crate::{
     analysis::{
-        Coefficient, Results,
+        Results,
         counts::Factor,
         summary::{Group, by_levels, by_levels_as, means_by_subject},
     },
-    report::{document::count, names},
+    report::names,
     statistics::Interval,
 };
 
@@ -205,25 +204,4 @@ pub(super) fn participants(results: &Results) -> Option<Figure> {
         let means = by.levels.iter().map(mean).collect();
         draw(svg, &panel, &levels, &[Line { name: String::new(), series: Series::only(), means }], [&name, ""]);
     }))
-}
-
-/// Maximum number of coefficients in a chart.
-const MAX_SHOWN: usize = 60;
-
-/// Draws `effects`, if there is a model with coefficients.
-pub(super) fn effects(results: &Results) -> Option<Figure> {
-    let model = &results.model.as_ref().ok()?.model;
-    let finite = model.coefficients.iter().filter(|own| own.estimate.is_finite());
-    let shown: Vec<&Coefficient> = finite.take(MAX_SHOWN).collect();
-    let estimates = shown.iter().map(|own| Some((own.estimate, own.interval))).collect();
-    let names = shown.iter().map(|own| names::coefficient(results, &own.parts)).collect::<Vec<_>>();
-    let caption = format!(
-        "Coefficients of the cumulative-link {}model{}; bars are 95\u{a0}% intervals, where there are any. Positive values mean \
-         higher ratings than at the factor’s baseline, the level without a coefficient, or with a larger number; {}.",
-        if model.random.is_some() { "mixed " } else { "" },
-        labels::some_of(shown.len(), model.coefficients.len()),
-        count(model.nobs, "rating")
-    );
-    let title = format!("Effects in the {} model", model.link);
-    tasks::estimates("effects", &names, &[(String::new(), estimates)], (&title, "Shift of the ratings", caption))
 }

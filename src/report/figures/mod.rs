@@ -31,7 +31,7 @@ pub fn all(results: &Results) -> Vec<Figure> {
         |results| answers::proportions(results).into_iter().collect(),
         |results| means::participants(results).into_iter().collect(),
         |results| means::orientation(results).into_iter().collect(),
-        |results| means::effects(results).into_iter().collect(),
+        |results| tasks::effects(results).into_iter().collect(),
     ];
     kinds.par_iter().flat_map_iter(|kind| kind(results)).collect()
 }
