@@ -38,8 +38,7 @@ impl GeometryPage {
             });
         });
         if fields.width_is_assumed() {
-            let per_inch = monitor.assumed_per_inch();
-            note(ui, format!("This width assumes {per_inch} pixels per inch. Measure it with a card."));
+            note(ui, monitor.assumption() + ".");
         }
         field("Viewing distance, cm").width(90.0).text(ui, &mut fields.distance_cm);
         field("Planned stimulus size, degrees").width(90.0).text(ui, &mut self.window_deg);
