@@ -23,9 +23,6 @@ pub struct Mirrors {
     pub index: Option<f64>,
 }
 
-/// The index of refraction of small mirrors that reflect a quarter of the light at normal incidence.
-const INDEX: f64 = 3.0;
-
 named! {
     /// The shape of the highlight.
     Highlight, HighlightError {
@@ -57,7 +54,7 @@ impl Highlight {
     /// Returns the shape as a material has it, for the exponent `shininess` of Phong's and Blinn's highlight.
     pub fn model(self, shininess: f64, Mirrors { slope, c1, index }: Mirrors) -> Specular {
         let slope = slope.unwrap_or_else(|| (2.0 / (shininess + 2.0)).sqrt());
-        let index = DVec3::splat(index.unwrap_or(INDEX));
+        let index = DVec3::splat(index.unwrap_or(3.0));
         let mirrors = |c1| Specular::CookTorrance(Microfacets { c1, slope, index });
         match self {
             Highlight::Phong => Specular::Phong,

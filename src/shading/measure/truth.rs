@@ -27,13 +27,6 @@ struct Point {
     normal: DVec3,
 }
 
-/// The number of pixels around an outline or a terminator at which pictures are not compared.
-const MARGIN: usize = 2;
-
-/// The cosine between the surface and the line of sight below which pictures are not compared, near outlines: there, a
-/// mesh lies in another place on the screen than the surface, which no shader can repair.
-const LEAST_FACING: f64 = 0.3;
-
 impl Truth {
     /// Traces the surface that the mesh of `frame` approximates; `None` if it is not known.
     pub fn traced(frame: &Frame) -> Option<Truth> {
@@ -104,7 +97,7 @@ impl Truth {
     /// outline, meant crease, or terminator of a lamp is within two pixels, and the surface does not turn away by more
     /// than 72.5°.
     pub fn mask(&self, frame: &Frame, lit: bool) -> Vec<bool> {
-        let (least, margin) = if lit { (LEAST_FACING, MARGIN) } else { (f64::NEG_INFINITY, MARGIN + 1) };
+        let (least, margin) = if lit { (0.3, 2) } else { (f64::NEG_INFINITY, 3) };
         let meshed = coverage::interior_mask(frame);
         let faces =
             |point: &Option<Point>| point.as_ref().is_some_and(|p| p.normal.dot(frame.view.to_viewer(p.eye)) >= least);
