@@ -29,7 +29,7 @@ fn pair(bencher: Bencher, width: usize) {
     let (size, px_per_deg) = if width == 512 { ([512; 2], 51.2) } else { ([3840, 2160], 64.0) };
     let [shown, reference] = pictures(size);
     bencher.bench_local(|| {
-        let judge = Judge::of_pictures(size, px_per_deg, Eye::default()).expect("a judge");
+        let judge = Judge::of_pictures(size, px_per_deg, Eye::adapted_to(50.0)).expect("a judge");
         let difference = judge.difference(black_box(&shown), &reference, None).expect("a difference");
         difference.map().largest()
     });

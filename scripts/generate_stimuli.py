@@ -1,5 +1,6 @@
 """Prints python/machband/stimuli.py, a typed function for each kind of stimulus, from what the installed package says."""
 
+import re
 import textwrap
 
 import machband
@@ -57,6 +58,19 @@ def type_of(kind, parameter):
     return 'float | Literal["inf"]'
 
 
+def expected_of(kind, parameter):
+    """Return what a parameter can be, with the range that the error for a huge number names."""
+    try:
+        machband.Stimulus(kind, size=1, **{parameter.name: 1e9})
+    except machband.Error as error:
+        found = re.search(r" is outside (\S+)…(\S+);", str(error))
+        if found and not all(end in parameter.expected for end in found.groups()):
+            ends = " to ".join(found.groups())
+            is_told = parameter.expected.removeprefix("the ") in parameter.description.lower()
+            return ends if is_told else f"{parameter.expected}, {ends}"
+    return parameter.expected
+
+
 def default_of(parameter):
     """Return a default as Python writes it."""
     default = parameter.default
@@ -81,7 +95,7 @@ def function(kind, about):
     known = machband.parameters(kind)
     arguments = [f"    {name}: {type_of(kind, one)} = {default_of(one)}," for name, one in known.items()]
     arguments += [f"    {name}: {type} = None," for name, (type, _) in VIEW.items()]
-    texts = {name: f"{one.description}. Expected: {one.expected}." for name, one in known.items()}
+    texts = {name: f"{one.description}. Expected: {expected_of(kind, one)}." for name, one in known.items()}
     texts |= {name: said for name, (_, said) in VIEW.items()}
     described = []
     for name, said in texts.items():

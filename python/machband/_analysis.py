@@ -71,7 +71,7 @@ class Analysis:
         self._native: _machband.Analysis | None = native
         self.warnings, self.errors = ([in_python(one, known) for one in found[name]] for name in ("warnings", "errors"))
         self.tables: dict[str, Table] = {name: table(*described) for name, described in found["tables"]}
-        self.files: dict[str, bytes] = found["files"]
+        self.files: dict[str, bytes] = dict(found["files"])
         self._summary, self._page, self._covariance = found["summary"], found["page"], found["covariance"]
         self._inputs = [*given, *map(os.fspath, found["inputs"])]
 
@@ -89,7 +89,7 @@ class Analysis:
 
     @cached_property
     def _report_files(self) -> dict[str, bytes]:
-        return self._native.report_files() if self._native else {}
+        return dict(self._native.report_files()) if self._native else {}
 
     @property
     def _fitted(self) -> dict[str, Any]:

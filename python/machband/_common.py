@@ -101,7 +101,7 @@ def in_python(message: str, known: Iterable[str]) -> str:
     """Return a message of the library with arguments in place of options, and the nearest of the values it expects."""
     argument = {name.removesuffix("_deg").replace("_", "-"): name for name in known}
     message = message.replace(", --levels", "").replace("the options of", "the arguments of")
-    message = re.sub(r" <[^>]*>", "", message.replace("<FILE|DIR>...", "data")).replace("the option ppd", "ppd")
+    message = re.sub(r" <[^>]*>|^(\w+) \S+: (?=\1 )", "", message.replace("<FILE|DIR>...", "data")).replace("the option ppd", "ppd")
     message = re.sub(r"--([a-z-]+)", lambda found: argument.get(found[1], found[0]), message)
     message = re.sub(r", or the option (\w+)$", r", or \1=True", message)
     renamed = {"vertices": "n_vertices", "screen width": "screen_cm", "distance": "distance_cm"}
@@ -278,10 +278,10 @@ def options(function: Callable[..., Any], given: Mapping[str, Any], *but: str) -
 
 def table(columns: Mapping[str, np.ndarray[Any, Any]], described: Iterable[tuple[str, str, str]] = ()) -> Table:
     """Return columns as a table. What is known about them goes into `DataFrame.attrs`."""
-    try:
-        import pandas
-    except ImportError:
+    if find_spec("pandas") is None:
         return dict(columns)
+    import pandas
+
     frame = pandas.DataFrame(dict(columns), copy=False)
     for name, column in columns.items():
         if column.dtype.kind == "M":
@@ -293,10 +293,10 @@ def table(columns: Mapping[str, np.ndarray[Any, Any]], described: Iterable[tuple
 
 def named(names: list[str], values: np.ndarray[Any, Any], columns: list[str] | None = None) -> Any:
     """Return named rows: a `pandas.Series`, or a `DataFrame` if rows have columns; without pandas, a dict."""
-    try:
-        import pandas
-    except ImportError:
+    if find_spec("pandas") is None:
         return dict(zip(names, values.tolist(), strict=True))
+    import pandas
+
     return pandas.Series(values, names) if values.ndim == 1 else pandas.DataFrame(values, names, columns)
 
 

@@ -74,13 +74,9 @@ class Definition:
         definition._native = _machband.Definition.from_json(json.dumps(_plain(keys)))
         return definition
 
-    def __getstate__(self) -> str:
-        """Pickle as text."""
-        return self._native.to_json()
-
-    def __setstate__(self, state: str) -> None:
-        """Read the text."""
-        self._native = _machband.Definition.from_json(state)
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle the keys."""
+        return Definition.from_dict, (self.to_dict(),)
 
     def __eq__(self, other: object) -> bool:
         """Compare the content."""

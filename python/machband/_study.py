@@ -253,6 +253,8 @@ def analyze(
     """
     if on_error not in ("raise", "drop"):
         raise Error(f"on_error is {on_error!r}; expected 'raise' or 'drop'")
+    if level is not None and categories is not None:
+        raise Error("categories does not apply to answers at levels; expected ratings, or no categories")
     found: dict[str, Cells] = {}
     orders: dict[str, list[str]] = {}
     given_columns = columns(data)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from datetime import datetime, timezone
+from importlib.util import find_spec
 from typing import Any, NamedTuple, Union
 
 import numpy as np
@@ -45,14 +46,13 @@ def columns(data: Any) -> list[tuple[str, Any]] | None:
 
 def _columns(data: Any) -> list[tuple[Any, Any]] | None:
     if hasattr(data, "__arrow_c_stream__") and not hasattr(data, "reset_index"):
-        try:
-            import pandas  # noqa: F401
-            import pyarrow
-        except ImportError:
+        if not (find_spec("pandas") and find_spec("pyarrow")):
             if hasattr(data, "get_columns"):
                 # A DataFrame of polars needs neither.
                 return [(column.name, column) for column in data.get_columns()]
-            raise TypeError(f"{type(data).__name__} needs pyarrow and pandas, which are not installed") from None
+            raise TypeError(f"{type(data).__name__} needs pyarrow and pandas, which are not installed")
+        import pyarrow
+
         try:
             kinds = [str(kind) for kind in getattr(data, "types", ())]
             data = pyarrow.table(data).to_pandas(ignore_metadata=True, integer_object_nulls=True)
@@ -134,13 +134,13 @@ def _factorized(name: str, array: npt.NDArray[Any]) -> tuple[Whole, Any]:
         if array.dtype.kind == "M":
             found, codes = np.unique(array, return_inverse=True)
             return np.where(np.isnat(array), -1, codes), found[~np.isnat(found)]
-        try:
-            import pandas
-        except ImportError:
+        if find_spec("pandas") is None:
             index: dict[Any, int] = {}
             cells = array.tolist()
             numbers = [-1 if cell is None or cell != cell else index.setdefault(cell, len(index)) for cell in cells]
             return np.array(numbers, np.int64), list(index)
+        import pandas
+
         codes, found = pandas.factorize(array.astype(object))
         return codes.astype(np.int64), found
     except (TypeError, ValueError):

@@ -93,7 +93,9 @@ def predict(
     >>> predict(width=0.1).band_bright > predict(width=0.1, depth=3).band_bright
     True
     """
-    return Prediction(*_machband.predict(options(predict, locals()), *_named(kind, parameters)))
+    ramp, *others = _machband.predict(options(predict, locals()), *_named(kind, parameters))
+    bright, dark, *places = ramp or [None] * 4
+    return Prediction(bright, dark, *others, *places)
 
 
 class Place(NamedTuple):

@@ -89,13 +89,10 @@ class MachBandStim(MinimalStim):  # type: ignore[misc]
         self.win = win
         self.kind: Kind = kind
         self._drawer = _Drawer(self)
-        units = units or win.units
-        self.__dict__.update(size=_side(size), transfer=transfer, dither=dither, seed=seed)
-        self.__dict__["parameters"] = {}
-        self.__dict__["_image"] = None
+        self.__dict__.update(size=_side(size), transfer=transfer, dither=dither, seed=seed, parameters={}, _image=None)
         self.set(**parameters)
         self.__dict__["_image"] = _Aligned(
-            win, units=units, pos=pos, ori=ori, opacity=opacity, name=name, autoLog=autoLog
+            win, units=units or win.units, pos=pos, ori=ori, opacity=opacity, name=name, autoLog=autoLog
         )
         self._transfer()
 
@@ -182,8 +179,9 @@ class MachBandStim(MinimalStim):  # type: ignore[misc]
         else:
             # What PsychoPy notes about any stimulus, such as its status, can be set.
             near = nearest(name, among=parameters, cutoff=0.75) if not hasattr(self, name) else ""
-            is_other = name in {"kind", "parameters", *_VIEW, *_STIMULUS_PARAMETERS, "image"} or hasattr(GratingStim, name)
-            if parameters and (near or (is_other and not hasattr(MinimalStim, name))):
+            others = {"bits", "display", "image", "kind", "parameters", *_VIEW, *_STIMULUS_PARAMETERS}
+            is_other = name in others or (hasattr(GratingStim, name) and not hasattr(MinimalStim, name))
+            if parameters and (near or is_other):
                 settable = ", ".join([*self._own, *self._images, *parameters])
                 raise AttributeError(f"{name!r} cannot be set; expected one of {settable}{near}")
             super().__setattr__(name, value)

@@ -76,8 +76,7 @@ def mach_band(
     Parameters
     ----------
     width
-        Proportion of the window that the ramp fills; 0 is a step. Expected: the proportion of the window that
-        the ramp fills.
+        Proportion of the window that the ramp fills; 0 is a step. Expected: 0 to 1.
     depth
         Continuity depth n of the ramp: n − 1 derivatives vanish at its ends; inf is a scaled tanh. Expected: a
         whole number from 1 to 32, or inf.
@@ -88,10 +87,10 @@ def mach_band(
         Orientation, counterclockwise: 0 brightens to the right, 90 upward. Expected: an angle in degrees, such
         as 45.
     low
-        Relative luminance of the darker plateau. Expected: the relative luminance of the darker plateau.
+        Relative luminance of the darker plateau. Expected: 0 to 1.
     high
         Relative luminance of the brighter plateau. Expected: the relative luminance of the brighter plateau,
-        not below low.
+        not below low, 0 to 1.
     color
         Weights of red, green and blue in linear light. Expected: yellow, gray, red, green, blue, cyan, magenta,
         three numbers R,G,B from 0 to 1, not all 0, linear in light, #RRGGBB of sRGB, or hsv:H,S,V, hls:H,L,S,
@@ -103,7 +102,7 @@ def mach_band(
         Color space in which the ramp is a straight line; rgb is linear light. Expected: rgb, hsv or lab.
     rounding
         Proportion of the window over which both corners of a ramp of depth 1 are rounded: the ramp is averaged
-        over it. Expected: the proportion of the window over which the corners are rounded.
+        over it. Expected: the proportion of the window over which the corners are rounded, 0 to 1.
     nulling
         Amplitude of a dark line at the bright end of the ramp and a bright one at its dark end, as a proportion
         of their difference. Expected: the amplitude of an opposite profile, from -1 to 1, with lines within the
@@ -138,15 +137,15 @@ def chevreul(
     Parameters
     ----------
     steps
-        Number of uniform bands. Expected: a whole number of bands.
+        Number of uniform bands. Expected: a whole number of bands, 2 to 256.
     orientation_deg
         Direction in which the bands brighten, counterclockwise from the right. Expected: an angle in degrees,
         such as 45.
     low
-        Relative luminance of the darkest band. Expected: the relative luminance of the darkest band.
+        Relative luminance of the darkest band. Expected: 0 to 1.
     high
         Relative luminance of the brightest band. Expected: the relative luminance of the brightest band, not
-        below low.
+        below low, 0 to 1.
     color
         Weights of red, green and blue in linear light. Expected: yellow, gray, red, green, blue, cyan, magenta,
         three numbers R,G,B from 0 to 1, not all 0, linear in light, #RRGGBB of sRGB, or hsv:H,S,V, hls:H,L,S,
@@ -182,18 +181,18 @@ def cornsweet(
     ----------
     width
         Proportion of the window that the ramp fills on each side of the edge. Expected: the proportion of the
-        window that each ramp fills.
+        window that each ramp fills, 0 to 0.5.
     exponent
         Exponent of the return to the mean: 1 is linear; larger values are steeper at the edge. Expected: an
-        exponent such as 1 or 2.75.
+        exponent such as 1 or 2.75, 0.1 to 20.
     orientation_deg
         Direction from the dark to the bright side of the edge, counterclockwise from the right. Expected: an
         angle in degrees, such as 45.
     low
-        Relative luminance on the dark side of the edge. Expected: the relative luminance on the dark side.
+        Relative luminance on the dark side of the edge. Expected: 0 to 1.
     high
         Relative luminance on the bright side of the edge. Expected: the relative luminance on the bright side,
-        not below low.
+        not below low, 0 to 1.
     color
         Weights of red, green and blue in linear light. Expected: yellow, gray, red, green, blue, cyan, magenta,
         three numbers R,G,B from 0 to 1, not all 0, linear in light, #RRGGBB of sRGB, or hsv:H,S,V, hls:H,L,S,
@@ -226,14 +225,14 @@ def vasarely(
     Parameters
     ----------
     squares
-        Number of nested squares. Expected: a whole number of squares.
+        Number of nested squares. Expected: a whole number of squares, 2 to 256.
     orientation_deg
         Rotation of the squares, counterclockwise. Expected: an angle in degrees, such as 45.
     low
-        Relative luminance of the outermost square. Expected: the relative luminance of the outermost square.
+        Relative luminance of the outermost square. Expected: 0 to 1.
     high
         Relative luminance of the innermost square. Expected: the relative luminance of the innermost square,
-        not below low.
+        not below low, 0 to 1.
     color
         Weights of red, green and blue in linear light. Expected: yellow, gray, red, green, blue, cyan, magenta,
         three numbers R,G,B from 0 to 1, not all 0, linear in light, #RRGGBB of sRGB, or hsv:H,S,V, hls:H,L,S,
@@ -267,17 +266,17 @@ def kanizsa(
     Parameters
     ----------
     side
-        Side of the triangle as a proportion of the window. Expected: the side of the triangle as a proportion
-        of the window.
+        Side of the triangle as a proportion of the window. Expected: 0.05 to 1.
     radius
-        Radius of the discs as a proportion of the window, at most half the triangle's side. Expected: the
-        radius of the discs as a proportion of the window.
+        Radius of the discs as a proportion of the window, at most half the triangle's side. Expected: 0.01 to
+        0.5.
     orientation_deg
         Rotation of the triangle, counterclockwise. Expected: an angle in degrees, such as 45.
     low
-        Relative luminance of the discs. Expected: the relative luminance of the discs.
+        Relative luminance of the discs. Expected: 0 to 1.
     high
-        Relative luminance of the background. Expected: the relative luminance of the background, not below low.
+        Relative luminance of the background. Expected: the relative luminance of the background, not below low,
+        0 to 1.
     color
         Weights of red, green and blue in linear light. Expected: yellow, gray, red, green, blue, cyan, magenta,
         three numbers R,G,B from 0 to 1, not all 0, linear in light, #RRGGBB of sRGB, or hsv:H,S,V, hls:H,L,S,
@@ -343,15 +342,14 @@ def shaded_mesh(
         Direction toward the lamp: right, up, toward the viewer. Expected: a vector with a length from 1e-6 to
         1e6, such as 0.36,0.48,0.8.
     highlight
-        Relative luminance added in the middle of a highlight. Expected: a relative luminance.
+        Relative luminance added in the middle of a highlight. Expected: a relative luminance, 0 to 1.
     background
-        Relative luminance of the background. Expected: a relative luminance.
+        Relative luminance of the background. Expected: a relative luminance, 0 to 1.
     low
-        Relative luminance where only ambient light reaches the surface. Expected: the relative luminance where
-        only ambient light reaches the surface.
+        Relative luminance where only ambient light reaches the surface. Expected: 0 to 1.
     high
         Relative luminance where the lamp's light is at normal incidence. Expected: a relative luminance, not
-        below low.
+        below low, 0 to 1.
     color
         Weights of red, green and blue in linear light. Expected: yellow, gray, red, green, blue, cyan, magenta,
         three numbers R,G,B from 0 to 1, not all 0, linear in light, #RRGGBB of sRGB, or hsv:H,S,V, hls:H,L,S,
@@ -389,13 +387,13 @@ def shaded_cylinder(
     shading
         How the facets are shaded: flat, gouraud or phong. Expected: flat, gouraud or phong.
     facets
-        Number of facets across the window. Expected: a whole number of facets.
+        Number of facets across the window. Expected: a whole number of facets, 1 to 256.
     orientation_deg
         Direction across the facets, counterclockwise from the right. Expected: an angle in degrees, such as 45.
     low
-        Relative luminance of the rims. Expected: the relative luminance of the rims.
+        Relative luminance of the rims. Expected: 0 to 1.
     high
-        Relative luminance of the middle. Expected: the relative luminance of the middle, not below low.
+        Relative luminance of the middle. Expected: the relative luminance of the middle, not below low, 0 to 1.
     color
         Weights of red, green and blue in linear light. Expected: yellow, gray, red, green, blue, cyan, magenta,
         three numbers R,G,B from 0 to 1, not all 0, linear in light, #RRGGBB of sRGB, or hsv:H,S,V, hls:H,L,S,

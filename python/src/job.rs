@@ -60,14 +60,6 @@ struct Threads {
 }
 
 impl Threads {
-    fn new() -> PyResult<Self> {
-        let stop = Arc::new(AtomicBool::new(false));
-        let token = Arc::clone(&stop);
-        let pool = ThreadPoolBuilder::new().start_handler(move |_| stop_with(Arc::clone(&token))).build();
-        let pool = pool.map_err(|error| PyRuntimeError::new_err(format!("threads: {error}")))?;
-        Ok(Self { pool, stop, process: std::process::id() })
-    }
-
     /// Returns threads that have no job.
     fn free() -> PyResult<Self> {
         let mut idle = IDLE.lock().unwrap_or_else(PoisonError::into_inner);
@@ -78,7 +70,11 @@ impl Threads {
             // They do not exist in this process, so they cannot be joined.
             std::mem::forget(threads);
         }
-        Self::new()
+        let stop = Arc::new(AtomicBool::new(false));
+        let token = Arc::clone(&stop);
+        let pool = ThreadPoolBuilder::new().start_handler(move |_| stop_with(Arc::clone(&token))).build();
+        let pool = pool.map_err(|error| PyRuntimeError::new_err(format!("threads: {error}")))?;
+        Ok(Self { pool, stop, process: std::process::id() })
     }
 }
 

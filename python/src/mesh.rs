@@ -33,8 +33,7 @@ fn mesh_of(
 
 /// Returns the positions, triangles and normals of the mesh that the command's options name.
 #[pyfunction]
-#[allow(clippy::type_complexity)]
-pub fn mesh(py: Python<'_>, fields: Fields) -> PyResult<(Bound<'_, PyAny>, Bound<'_, PyAny>, Bound<'_, PyAny>)> {
+pub fn mesh(py: Python<'_>, fields: Fields) -> PyResult<[Bound<'_, PyAny>; 3]> {
     let request: Shade = request(fields)?;
     let path = request.one.mesh.clone();
     let file = job::run(py, None, false, move |_| request.one.mesh())?;
@@ -46,7 +45,7 @@ pub fn mesh(py: Python<'_>, fields: Fields) -> PyResult<(Bound<'_, PyAny>, Bound
     };
     let triangles: Vec<u32> = mesh.triangles.iter().flatten().copied().collect();
     let triangles = triangles.into_pyarray(py).reshape([mesh.triangles.len(), 3])?.into_any();
-    Ok((vectors(|vertex| vertex.position)?, triangles, vectors(|vertex| vertex.normal)?))
+    Ok([vectors(|vertex| vertex.position)?, triangles, vectors(|vertex| vertex.normal)?])
 }
 
 /// Shades a mesh or a scene. Returns the codes, and the measurements as JSON if they are wanted.

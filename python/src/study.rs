@@ -25,10 +25,7 @@ use machband::{
     work::{Analyze, Export, Watcher as _, verify::Verify, words},
 };
 use numpy::{IntoPyArray as _, PyArrayMethods as _};
-use pyo3::{
-    prelude::*,
-    types::{PyBytes, PyDict},
-};
+use pyo3::{prelude::*, types::PyDict};
 
 use crate::{
     Field, Fields,
@@ -40,8 +37,7 @@ use crate::{
 /// Returns the rows of all sessions in a folder as a table, the last column of which says whether a program answered.
 #[pyfunction]
 pub fn read_results(py: Python<'_>, folder: PathBuf, progress: Option<Py<PyAny>>) -> PyResult<Described<'_>> {
-    let table = job::run(py, progress, false, move |job| read(&folder, job))?;
-    described(py, table)
+    described(py, job::run(py, progress, false, move |job| read(&folder, job))?)
 }
 
 fn read(folder: &Path, job: &Job) -> anyhow::Result<Table> {
@@ -149,13 +145,6 @@ pub fn analyze(
     Ok(Analysis { found, command })
 }
 
-/// Files: their names and contents.
-fn files<'py>(py: Python<'py>, contents: Contents) -> PyResult<Bound<'py, PyDict>> {
-    let files = PyDict::new(py);
-    contents.into_iter().try_for_each(|(name, content)| files.set_item(name, PyBytes::new(py, &content)))?;
-    Ok(files)
-}
-
 #[pymethods]
 impl Analysis {
     /// Returns everything but the report and the figures, which take longer: the tables with their columns; the files, as
@@ -192,7 +181,7 @@ impl Analysis {
         let texts = |errors: &[FileError]| errors.iter().map(ToString::to_string).collect::<Vec<_>>();
         let facts = PyDict::new(py);
         facts.set_item("tables", tables.collect::<PyResult<Vec<_>>>()?)?;
-        facts.set_item("files", files(py, contents)?)?;
+        facts.set_item("files", contents)?;
         facts.set_item("covariance", covariance.into_pyarray(py).reshape([size, size])?)?;
         facts.set_item("summary", summary.map(report::skins::terminal).unwrap_or_default().join("\n"))?;
         facts.set_item("page", summary.map_or_else(String::new, report::skins::fragment))?;
@@ -202,19 +191,17 @@ impl Analysis {
         Ok(facts)
     }
 
-    /// Returns the report and the figures.
-    fn report_files<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+    /// Returns the report and the figures: the names of files, and their contents.
+    fn report_files(&self, py: Python<'_>) -> PyResult<Contents> {
         let (found, provenance) = (self.found.clone(), Provenance::new(self.command.clone(), now()));
-        let here = Path::new(".");
-        let contents = job::run(py, None, false, move |_| match found {
-            Found::Ratings(study, results) => Ok(report::report_files(&study, &results, &provenance, here)?),
+        job::run(py, None, false, move |_| match found {
+            Found::Ratings(study, results) => Ok(report::report_files(&study, &results, &provenance, Path::new("."))?),
             Found::Task(study, results) => {
-                let mut contents = report::task_files(&study, &results, &provenance, here, false)?;
+                let mut contents = report::task_files(&study, &results, &provenance, Path::new("."), false)?;
                 contents.drain(..tasks::tables(&study, &results).len());
                 Ok(contents)
             }
-        })?;
-        files(py, contents)
+        })
     }
 }
 

@@ -24,22 +24,21 @@ pub fn described(py: Python<'_>, table: Table) -> PyResult<Described<'_>> {
 /// milliseconds; or texts, of which missing ones are `None`.
 fn array<'py>(py: Python<'py>, cells: &[Cell]) -> PyResult<Bound<'py, PyAny>> {
     let whole = |cell: &Cell| match cell {
-        Cell::Whole(whole) => i64::try_from(*whole).ok(),
+        Cell::Whole(whole) => Some(*whole),
         Cell::Level(text, number) => number_of(text, *number).and_then(|_| text.parse().ok()),
         _ => None,
     };
-    // Seeds may be above `i64::MAX`.
-    let large = |cell: &Cell| if let Cell::Whole(whole) = cell { u64::try_from(*whole).ok() } else { None };
     let time = |cell: &Cell| if let Cell::Time(time) = cell { Some(time.as_millisecond()) } else { None };
     let number = |cell: &Cell| match cell {
         Cell::Missing => Some(f64::NAN),
         Cell::Level(text, number) => number_of(text, *number),
         cell => cell.as_number(),
     };
-    if let Some(numbers) = all(cells, whole) {
+    if let Some(numbers) = all(cells, |cell| i64::try_from(whole(cell)?).ok()) {
         return Ok(numbers.into_pyarray(py).into_any());
     }
-    if let Some(numbers) = all(cells, large) {
+    // Seeds may be above `i64::MAX`.
+    if let Some(numbers) = all(cells, |cell| u64::try_from(whole(cell)?).ok()) {
         return Ok(numbers.into_pyarray(py).into_any());
     }
     if let Some(times) = all(cells, time) {

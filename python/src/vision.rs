@@ -41,24 +41,21 @@ impl Shown<'_> {
     }
 }
 
-/// A prediction: the bright and the dark band, the contrast of the picture, the difference of a mesh from the smooth
-/// surface, the rating; and the blur of the nearest smooth edge and the places of the bands, in degrees.
-type Predicted = (Option<f64>, Option<f64>, f64, Option<f64>, Option<f64>, Option<f64>, Option<(f64, f64)>);
+/// A prediction: of a ramp, the bright and the dark band, the blur of the nearest smooth edge and the places of the bands, in
+/// degrees; the contrast of the picture; the difference of a mesh from the smooth surface; and the rating.
+type Predicted = (Option<(f64, f64, f64, (f64, f64))>, f64, Option<f64>, Option<f64>);
 
 /// Predicts the bands and the detection of a stimulus.
 #[pyfunction]
 pub fn predict(py: Python<'_>, fields: Fields, kind: &str, parameters: Given) -> PyResult<Predicted> {
     let (request, stimulus) = (request::<Predict>(fields)?, stimulus_of(kind, parameters)?);
     let (found, _) = job::run(py, None, false, move |job| request.one(Some(&stimulus), job))?;
-    let (detection, rating) = (found.detection, found.rating);
-    Ok(match found.visible {
-        Visible::Ramp(bands) => {
-            let (blur, at) = (Some(bands.blur_deg), Some(bands.at_deg.into()));
-            (Some(bands.bright), Some(bands.dark), detection, None, rating, blur, at)
-        }
-        Visible::Surface(difference) => (None, None, detection, Some(difference), rating, None, None),
-        Visible::Unknown => (None, None, detection, None, rating, None, None),
-    })
+    let (ramp, difference) = match found.visible {
+        Visible::Ramp(bands) => (Some((bands.bright, bands.dark, bands.blur_deg, bands.at_deg.into())), None),
+        Visible::Surface(difference) => (None, Some(difference)),
+        Visible::Unknown => (None, None),
+    };
+    Ok((ramp, found.detection, difference, found.rating))
 }
 
 /// Compares two pictures in memory, or otherwise the two files that the fields name. Returns the JSON of the command, and

@@ -287,7 +287,6 @@ def test_generators_of_numpy_are_seeds():
         ([{"subject_id": "a", "rating": 1}], {}, TypeError, "data is {.*; expected .* dict of columns"),
         (pandas.DataFrame([[1, 2, 3]], columns=["subject_id", "rating", "rating"]), {"terms": "w"}, machband.Error, "rating appears twice"),
         (pandas.DataFrame([[1]], columns=pandas.MultiIndex.from_tuples([("a", "b")])), {}, machband.Error, "2 levels"),
-        ({"subject_id": ["a"], "rating": [1]}, {"draws": 0}, machband.Error, "draws 0: outside 99…1000000"),
         ({"p": ["a"], "x": [1]}, {"subject": "P", "response": "x"}, machband.Error, "expected one of p, x; did you mean p.$"),
         ({"subject_id": ["a"], "rating": [1]}, {"large": "no"}, TypeError, "large is 'no'; expected True or False"),
         ({"subject_id": ["a"], "rating": [1]}, {"response": ["rating"]}, TypeError, r"response is \['rating'\]; expected text"),

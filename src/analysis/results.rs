@@ -4,8 +4,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
-    Calibration, Link, MAX_COEFFICIENTS, Margin, ModelError, ModelReport, ModelSpec, Note, Prediction, Random,
-    Resampling, Slopes,
+    Calibration, Link, MAX_COEFFICIENTS, Margin, ModelError, ModelReport, ModelSpec, Note, Random, Resampling, Slopes,
     agreement::{Alpha, kappa, mean_kappa, ordinal_alpha},
     counts::{Counts, MAX_LEVELS, Measured},
     fit_calibrated,
@@ -16,7 +15,7 @@ use super::{
 use crate::{statistics::Interval, stimulus::Parameter};
 
 /// What to compute.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Options {
     /// Terms of the model. `None` means the main effects of all factors with two or more levels and of the covariates.
     pub terms: Option<Terms>,
@@ -30,31 +29,14 @@ pub struct Options {
     pub random: Option<Random>,
     /// Random slopes, where the design supports them.
     pub slopes: Slopes,
-    /// Maximum number of coefficients of the model.
-    pub max_coefficients: usize,
+    /// Maximum number of coefficients of the model; `None` means the usual one.
+    pub max_coefficients: Option<usize>,
     /// The simulated studies that calibrate tests and intervals.
     pub resampling: Resampling,
-    /// Whether to compute how well the model describes the data.
-    pub checks: bool,
+    /// Whether not to compute how well the model describes the data.
+    pub unchecked: bool,
     /// The parameters of the stimulus that was rated, whose names the factors have; `None` if the ratings are from elsewhere.
     pub parameters: Option<&'static [Parameter]>,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self {
-            terms: None,
-            covariates: None,
-            items: None,
-            link: Link::default(),
-            random: None,
-            slopes: Slopes::default(),
-            max_coefficients: MAX_COEFFICIENTS,
-            resampling: Resampling::default(),
-            checks: true,
-            parameters: None,
-        }
-    }
 }
 
 impl Options {
@@ -193,15 +175,6 @@ impl Results {
         &self.whole.as_ref().unwrap_or(&self.measured).counts
     }
 
-    /// Returns the ratings of what agreement is about: conditions, or items if there are any.
-    pub fn units(&self) -> Measured {
-        let whole = self.whole.as_ref().filter(|_| self.spec.items.is_some()).unwrap_or(&self.measured);
-        let covariates: Vec<usize> = (0..whole.counts.factors.len())
-            .filter(|f| self.covariates.contains(&whole.counts.factors[*f].name))
-            .collect();
-        whole.without_factors(&covariates)
-    }
-
     /// Returns the number of participants.
     pub fn people(&self) -> usize {
         self.measured.counts.subjects.len()
@@ -216,11 +189,6 @@ impl Results {
     pub fn ignores_people(&self) -> bool {
         let is_repeated = self.subjects.iter().any(|subject| subject.group.summary.n > 1);
         self.is_inferential() && self.spec.random == Random::None && is_repeated
-    }
-
-    /// Returns the model's expected ratings in each condition; empty if there is no model.
-    pub fn predictions(&self) -> &[Prediction] {
-        self.model.as_ref().map_or(&[], |report| &report.predictions)
     }
 }
 
@@ -275,8 +243,8 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
         };
         factors.iter().filter(|factor| factor.levels.len() > 1).filter_map(pair).collect()
     };
-    let Options { resampling, checks, .. } = *options;
-    let calibration = Calibration { resampling, trials, checks, contrasts: &contrasts, progress };
+    let Options { resampling, unchecked, .. } = *options;
+    let calibration = Calibration { resampling, trials, checks: !unchecked, contrasts: &contrasts, progress };
     let agreed = agreed.as_ref().unwrap_or(&measured);
     let (model, (cells, alpha)) = rayon::join(
         || {
@@ -364,7 +332,7 @@ pub(super) fn model_spec(counts: &Counts, covariates: &[usize], options: &Option
         slopes: options.slopes,
         items: options.items.clone(),
         covariates: covariates.iter().copied().map(name).collect(),
-        max_coefficients: options.max_coefficients,
+        max_coefficients: options.max_coefficients.unwrap_or(MAX_COEFFICIENTS),
         ..ModelSpec::new(asked.unwrap_or_else(all))
     };
     (spec, notes)

@@ -80,23 +80,15 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<bool
     }
     let mut is_within = true;
     for case in &cases {
-        match &case.times {
-            Ok(_) => {
-                if !*json {
-                    print_line(&case.line)?;
-                }
-                if let Some(note) = &case.note {
-                    message("warning", &format!("{}: {note}", printable(&case.name)));
-                }
-                if let Some(failure) = case.failure(request.max) {
-                    is_within = false;
-                    message("error", &format!("{}: {failure}", printable(&case.name)));
-                }
-            }
-            Err(error) => {
-                is_within = false;
-                message("error", error);
-            }
+        if !*json && case.times.is_ok() {
+            print_line(&case.line)?;
+        }
+        if let Some(note) = &case.note {
+            message("warning", &format!("{}: {note}", printable(&case.name)));
+        }
+        if let Some(wrong) = case.wrong(request.max) {
+            is_within = false;
+            message("error", &wrong);
         }
     }
     Ok(is_within)
@@ -114,10 +106,8 @@ fn judged(arguments: &Arguments, writer: &Writer, is_folder: bool, bar: &Bar) ->
             let option = if request.steps { "steps" } else { "map" };
             return Err(RequestError::value(option, "is for one picture; expected no folders").into());
         }
-        let (found, left_out) = request.folders(bar)?;
-        left_out.iter().for_each(|what| message("warning", what));
         let of = |(name, found)| Case::of_pair(&request.picture.join(&name), name, found);
-        return found.into_iter().map(of).collect();
+        return request.folders(bar)?.into_iter().map(of).collect();
     }
     if request.steps {
         let found = request.steps(None, bar)?;
@@ -138,11 +128,17 @@ fn judged(arguments: &Arguments, writer: &Writer, is_folder: bool, bar: &Bar) ->
 }
 
 impl Case {
-    /// Says that the difference is above the maximum, if it is, in a number that is above it too.
-    fn failure(&self, max: Option<f64>) -> Option<String> {
-        let (times, max) = (*self.times.as_ref().ok()?, max?);
-        let shown = (1e4 * times).ceil() / 1e4;
-        (times > max).then(|| format!("{shown} times threshold; expected at most {max}"))
+    /// Says what is wrong: what could not be judged, or that the difference is above the maximum, in a number that is above it
+    /// too.
+    fn wrong(&self, max: Option<f64>) -> Option<String> {
+        match (&self.times, max) {
+            (Err(error), _) => Some(error.clone()),
+            (Ok(times), Some(max)) if *times > max => {
+                let (name, shown) = (printable(&self.name), (1e4 * times).ceil() / 1e4);
+                Some(format!("{name}: {shown} times threshold; expected at most {max}"))
+            }
+            _ => None,
+        }
     }
 
     fn of_pair(picture: &Path, name: String, found: anyhow::Result<Compared>) -> anyhow::Result<Self> {
@@ -168,14 +164,13 @@ impl Case {
     }
 
     fn of_steps(found: &Steps) -> anyhow::Result<Self> {
-        let (written, times) = (found.bits.min(8), found.rounded.unwrap_or(found.steps));
         let keep = found.bits > 8 && found.steps < 1.0;
         let better = if keep { format!("keep {} bits", found.bits) } else { "write 16 bits".to_owned() };
         let remedy = if found.is_below() && found.is_edges {
             "what is judged is below threshold".to_owned()
         } else if found.is_below() {
-            format!("the steps of {written} bits are below threshold: no dither is needed")
-        } else if found.dithered < times {
+            "the steps are below threshold: no dither is needed".to_owned()
+        } else if found.dithered < found.rounded.unwrap_or(found.steps) {
             format!("{better}, or dither to 8 (--dither-out)")
         } else {
             format!("dither would be more visible than the steps: {better}")
@@ -214,14 +209,18 @@ fn plain(text: &str) -> String {
 /// Writes the cases as JUnit XML.
 fn document(cases: &[Case], max: Option<f64>) -> String {
     let errors = cases.iter().filter(|case| case.times.is_err()).count();
-    let failures = cases.iter().filter(|case| case.failure(max).is_some()).count();
+    let failures = cases.iter().filter(|case| case.wrong(max).is_some()).count() - errors;
     let body = html! {
         testsuites {
             testsuite name="machband compare" tests=(cases.len()) failures=(failures) errors=(errors) {
                 @for case in cases {
                     testcase classname="machband.compare" name=(plain(&case.name)) {
-                        @if let Some(failure) = case.failure(max) { failure message=(failure) {} }
-                        @if let Err(error) = &case.times { error message=(plain(error)) {} } @else {
+                        @match case.wrong(max) {
+                            Some(error) if case.times.is_err() => error message=(plain(&error)) {},
+                            Some(failure) => failure message=(plain(&failure)) {},
+                            None => {},
+                        }
+                        @if case.times.is_ok() {
                             system-out { (plain(&case.line)) @if let Some(note) = &case.note { "\nwarning: " (plain(note)) } }
                         }
                     }

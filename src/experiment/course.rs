@@ -4,9 +4,9 @@
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
 
 use super::{
-    participant::fnv1a,
+    participant::{Identity, fnv1a},
     protocol::Protocol,
-    schedule::{Phase, Schedule},
+    schedule::{Phase, Schedule, ScheduleError},
     task::{Adaptive, Answer, Method, Pick, Presentation, Ranking, Track, Turn},
 };
 
@@ -23,9 +23,12 @@ pub struct Course {
 
 impl Course {
     /// Begins a session.
-    pub fn new(protocol: Protocol, schedule: Schedule) -> Self {
-        let tracks = tracks(&protocol, &schedule);
-        Self { protocol, schedule, tracks, last: None }
+    ///
+    /// # Errors
+    /// There is no such order of the trials.
+    pub fn new(protocol: &Protocol, identity: &Identity, seed: u64) -> Result<Self, ScheduleError> {
+        let (protocol, schedule) = (protocol.clone(), Schedule::new(protocol, identity, seed)?);
+        Ok(Self { tracks: tracks(&protocol, &schedule), protocol, schedule, last: None })
     }
 
     /// Returns the definition.
@@ -79,15 +82,12 @@ impl Course {
             _ => planned.planned_pair(&self.protocol),
         };
         let [one, other] = pair.unwrap_or([planned.condition; 2]);
-        let mut names = self.protocol.adaptive.iter().flat_map(Adaptive::parameters);
-        let (x, y) = if let Pick::Level(x, y) = pick { (Some(x), y) } else { (None, None) };
         let turn = Turn {
             condition: &conditions[one],
             other: pair.map(|_| &conditions[other]),
             place: planned.place,
             draw: self.draw(trial),
-            level: names.next().zip(x),
-            second: names.next().zip(y),
+            levels: self.protocol.adaptive.as_ref().map_or_else(Vec::new, |adaptive| adaptive.named(pick)),
         };
         Presentation { pick, ..self.protocol.task.present(&turn) }
     }
@@ -119,12 +119,10 @@ impl Course {
 
     /// Returns what a trial could show, whatever the answers before, given the level that it has.
     pub fn possible(&self, trial: usize, level: Option<f64>) -> Vec<Presentation> {
-        let second = self.protocol.adaptive.as_ref().and_then(Adaptive::second);
-        let second = second.map_or(vec![None], |second| second.levels.iter().map(Some).collect());
         let adaptive = self.protocol.adaptive.as_ref();
-        let level = level.filter(|level| adaptive.is_some_and(|adaptive| adaptive.can_show(*level)));
+        let level = adaptive.zip(level).filter(|(adaptive, level)| adaptive.can_show(*level));
         let picks: Vec<Pick> = match (level, self.protocol.pairs()) {
-            (Some(level), _) => second.into_iter().map(|second| Pick::Level(level, second.copied())).collect(),
+            (Some((adaptive, level)), _) => adaptive.picks(&[level]),
             (None, Some(pairs)) if !self.tracks.is_empty() => pairs.iter().map(|pair| Pick::Pair(*pair)).collect(),
             _ => vec![Pick::Planned],
         };

@@ -2,7 +2,7 @@
 
 use std::{collections::HashSet, ops::Deref, sync::Arc, time::Duration};
 
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 use super::{
     condition::{Condition, cross},
@@ -23,11 +23,14 @@ const SETTING_S: f64 = 12.0;
 const RESERVED_KEYS: [char; 1] = ['s'];
 
 /// A [`Definition`] without errors, and its conditions: what a session runs. The definition can be read but not changed.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(transparent)]
 pub struct Protocol {
     definition: Definition,
+    #[serde(skip)]
     conditions: Arc<[Condition]>,
     /// See [`Protocol::pairs`].
+    #[serde(skip)]
     pairs: Option<Arc<[[usize; 2]]>>,
 }
 
@@ -40,18 +43,6 @@ impl Deref for Protocol {
 }
 
 /// The definition determines the conditions.
-impl PartialEq for Protocol {
-    fn eq(&self, other: &Self) -> bool {
-        self.definition == other.definition
-    }
-}
-
-impl Serialize for Protocol {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.definition.serialize(serializer)
-    }
-}
-
 impl Protocol {
     /// Checks a definition.
     ///
@@ -360,16 +351,9 @@ impl Definition {
     }
 
     /// Returns the levels that an adaptive method may choose, at both ends of its range, with each level of a second parameter.
-    fn picks(&self) -> Vec<[Option<(&str, f64)>; 2]> {
-        fn choices<'a>(name: &'a str, levels: &[f64]) -> Vec<Option<(&'a str, f64)>> {
-            levels.iter().map(|level| Some((name, *level))).collect()
-        }
-        let (mut levels, mut seconds) = (vec![None], vec![None]);
-        if let Some(adaptive) = &self.adaptive {
-            levels = choices(&adaptive.common.parameter, &adaptive.range());
-            seconds = adaptive.second().map_or(seconds, |second| choices(&second.parameter, &second.levels));
-        }
-        levels.iter().flat_map(|level| seconds.iter().map(move |second| [*level, *second])).collect()
+    fn picks(&self) -> Vec<Vec<(&str, f64)>> {
+        let Some(adaptive) = &self.adaptive else { return vec![Vec::new()] };
+        adaptive.picks(&adaptive.range()).into_iter().map(|pick| adaptive.named(pick)).collect()
     }
 
     /// Returns the pairs of conditions to compare, and adds an error if their trials cannot be ordered as asked.
@@ -430,10 +414,9 @@ impl Definition {
     }
 }
 
-/// Returns the target of a condition at each pair of levels.
-fn targets<'a>(condition: &'a Condition, picks: &'a [[Option<(&'a str, f64)>; 2]]) -> impl Iterator<Item = Stimulus> {
-    let turn = move |&[level, second]: &[_; 2]| Turn { condition, other: None, place: 0, draw: 1.0, level, second };
-    picks.iter().map(move |pick| turn(pick).target())
+/// Returns the target of a condition at each of these levels.
+fn targets<'a>(condition: &'a Condition, picks: &'a [Vec<(&'a str, f64)>]) -> impl Iterator<Item = Stimulus> {
+    picks.iter().map(|levels| Turn { condition, other: None, place: 0, draw: 1.0, levels: levels.clone() }.target())
 }
 
 /// Returns why `name` cannot be the name of an experiment, or `None` if it can.

@@ -45,10 +45,7 @@ impl Dither {
     /// Returns this dither with the seed `seed`; a dither that is not random stays the same.
     #[must_use]
     pub const fn with_seed(self, seed: u64) -> Self {
-        match self {
-            Dither::Random { .. } => Dither::Random { seed },
-            other => other,
-        }
+        if let Dither::Random { .. } = self { Dither::Random { seed } } else { self }
     }
 }
 

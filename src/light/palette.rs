@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::str::FromStr;
 
-use super::image::{CodeImage, Samples};
+use super::image::CodeImage;
 use super::quantize::{Bits, Quantizer};
 use super::transfer::Transfers;
 use crate::text::names::{named, with_number};
@@ -36,23 +36,11 @@ named! {
 /// An image that consists of a palette and a palette index for every pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IndexedImage {
-    /// Pixels per row.
-    pub width: u32,
-    /// Number of rows.
-    pub height: u32,
     /// The red, green and blue codes of each color: at most as many colors as requested, in ascending order, without
     /// duplicates.
     pub palette: Vec<[u8; 3]>,
     /// The palette index of every pixel, row by row from the top left.
     pub indices: Vec<u8>,
-}
-
-impl IndexedImage {
-    /// Returns the image with each index replaced by its color's codes.
-    pub fn codes(&self) -> CodeImage {
-        let codes = self.indices.iter().flat_map(|&index| self.palette[usize::from(index)]).collect();
-        CodeImage { width: self.width, height: self.height, samples: Samples::Eight(codes) }
-    }
 }
 
 /// A color of the image and how often it occurs.
@@ -129,7 +117,7 @@ pub fn reduce(
     // Every color of the image has a tally, so the search always succeeds.
     let tally = |codes: &[u8; 3]| tallies.binary_search_by_key(codes, |tally| tally.codes).unwrap_or(0);
     let indices = pixels.iter().map(|codes| chosen[tally(codes)]).collect();
-    Ok(IndexedImage { width: image.width, height: image.height, palette, indices })
+    Ok(IndexedImage { palette, indices })
 }
 
 /// Counts the pixels of every color; the colors come in ascending order of their codes.

@@ -73,6 +73,7 @@ pub fn report_files(
 ) -> Result<Contents, StoreError> {
     let predict = || StudyPrediction::of(&study.source, &results.measured.counts);
     let (predicted, mut figures) = rayon::join(predict, || figures::all(results));
+    figures.extend(study.source.protocol.as_ref().and_then(figures::stimulus));
     figures.extend(predicted.iter().flat_map(|predicted| figures::predicted(results, &predicted.ratings)));
     let parts = Parts { figures: &figures, prediction: Some(&predicted), provenance: Some(provenance) };
     page(&document(&study.source, results, parts), &figures, provenance, folder)
@@ -92,7 +93,8 @@ pub fn task_files(
 ) -> Result<Contents, StoreError> {
     let mut contents = csv_files(tasks::tables(study, results));
     if !tables_only {
-        let figures = tasks::figures(study, results);
+        let mut figures = tasks::figures(study, results);
+        figures.extend(study.asked.protocol.as_ref().and_then(figures::stimulus));
         contents.extend(page(
             &tasks::document(study, results, &figures, Some(provenance)),
             &figures,

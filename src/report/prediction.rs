@@ -227,12 +227,9 @@ fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
 pub fn rank_correlation(a: &[f64], b: &[f64]) -> Option<f64> {
     let pairs = a.iter().copied().zip(b.iter().copied()).filter(|(a, b)| a.is_finite() && b.is_finite());
     let (a, b): (Vec<f64>, Vec<f64>) = pairs.unzip();
-    let centered = |values: &[f64]| -> Option<Vec<f64>> {
-        let ranks = ranks(values, 0.0).0;
-        let middle = mean(ranks.iter().copied())?;
-        Some(ranks.into_iter().map(|rank| rank - middle).collect())
-    };
-    let (a, b) = (centered(&a)?, centered(&b)?);
+    let middle = 0.5 * (a.len() as f64 + 1.0);
+    let centered = |values| -> Vec<f64> { ranks(values, 0.0).0.into_iter().map(|rank| rank - middle).collect() };
+    let (a, b) = (centered(&a), centered(&b));
     let sum = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
     let (aa, bb) = (sum(&a, &a), sum(&b, &b));
     (aa > 0.0 && bb > 0.0).then(|| sum(&a, &b) / (aa * bb).sqrt())

@@ -17,13 +17,6 @@ pub fn printable(text: &str) -> Cow<'_, str> {
     if !text.contains(acts) {
         return Cow::Borrowed(text);
     }
-    let mut shown = String::with_capacity(text.len());
-    for c in text.chars() {
-        if acts(c) {
-            shown.extend(c.escape_default());
-        } else {
-            shown.push(c);
-        }
-    }
-    Cow::Owned(shown)
+    let shown = |c: char| if acts(c) { c.escape_default().collect() } else { c.to_string() };
+    Cow::Owned(text.chars().map(shown).collect())
 }

@@ -139,7 +139,7 @@ impl Pixels<'_> {
     /// Returns the runs along a row, from left to right.
     fn runs(&self, quantizer: &Quantizer) -> Vec<Run> {
         let (grid, side) = (&self.grid, f64::from(self.grid.size));
-        let mut search = Search { profile: self.profile, quantizer, shortest: MIN_RUN_PX / side, runs: Vec::new() };
+        let mut found = Vec::new();
         // Pixels at an oblique jump mix the light of both sides.
         let mixed = |turn: f64| self.jumps.iter().any(|(at, _)| *at == turn);
         let near = |turn: f64| if mixed(turn) { ERROR_X + half_extent(grid) / side } else { ERROR_X };
@@ -151,7 +151,7 @@ impl Pixels<'_> {
             let from = turning_points[..i].iter().map(|(at, near)| at + near).fold(-1.0, f64::max);
             let to = turning_points[i..].iter().map(|(at, near)| at - near).fold(1.0, f64::min);
             if from < to {
-                search.between([from, to], [from, to].map(|x| self.profile.light(x, 0.0)));
+                self.between([from, to], [from, to].map(|x| self.profile.light(x, 0.0)), quantizer, &mut found);
             }
         }
         let scale = side / grid.cos;
@@ -160,42 +160,31 @@ impl Pixels<'_> {
             let (a, b) = (run.from * scale, run.to * scale);
             Run { from: a.min(b) + error, to: a.max(b) - error, codes: run.codes }
         };
-        let mut runs: Vec<Run> = search.runs.into_iter().map(along).collect();
+        let mut runs: Vec<Run> = found.into_iter().map(along).collect();
         if grid.cos < 0.0 {
             runs.reverse();
         }
         runs
     }
-}
 
-/// Searches for runs from lower to higher positions.
-struct Search<'a> {
-    profile: &'a dyn Profile,
-    quantizer: &'a Quantizer,
-    shortest: f64,
-    runs: Vec<Run>,
-}
-
-impl Search<'_> {
-    /// Searches between two positions; `light` is the light there.
-    fn between(&mut self, positions: [f64; 2], light: [[f64; 3]; 2]) {
+    /// Searches for runs between two positions, from the lower to the higher one; `light` is the light there.
+    fn between(&self, positions: [f64; 2], light: [[f64; 3]; 2], quantizer: &Quantizer, runs: &mut Vec<Run>) {
         let ([from, to], [a, b]) = (positions, light);
         let (least, most) = ([0, 1, 2].map(|i| a[i].min(b[i])), [0, 1, 2].map(|i| a[i].max(b[i])));
         // An 8-bit code fits.
-        let codes = |light: [f64; 3], off: f64| {
-            self.quantizer.codes(light.map(|light| (light + off) as f32)).map(|code| code as u8)
-        };
+        let codes =
+            |light: [f64; 3], off: f64| quantizer.codes(light.map(|light| (light + off) as f32)).map(|code| code as u8);
         let lowest = codes(least, -ERROR_LIGHT);
         if lowest == codes(most, ERROR_LIGHT) {
-            match self.runs.last_mut() {
+            match runs.last_mut() {
                 Some(last) if last.to == from && last.codes == lowest => last.to = to,
-                _ => self.runs.push(Run { from, to, codes: lowest }),
+                _ => runs.push(Run { from, to, codes: lowest }),
             }
-        } else if to - from > self.shortest {
+        } else if to - from > MIN_RUN_PX / f64::from(self.grid.size) {
             let middle = 0.5 * (from + to);
             let light_there = self.profile.light(middle, 0.0);
-            self.between([from, middle], [light[0], light_there]);
-            self.between([middle, to], [light_there, light[1]]);
+            self.between([from, middle], [light[0], light_there], quantizer, runs);
+            self.between([middle, to], [light_there, light[1]], quantizer, runs);
         }
     }
 }

@@ -102,16 +102,17 @@ pub struct ParameterError {
 }
 
 impl ParameterError {
+    pub(super) fn new(parameter: &str, value: impl fmt::Display, problem: impl Into<String>, expected: &str) -> Self {
+        let expected = expected.trim_start_matches("expected ").to_owned();
+        Self { parameter: parameter.to_owned(), value: value.to_string(), problem: problem.into(), expected }
+    }
+
     /// Returns the error for setting `name` to `value` when the kind `kind` has no such parameter, only those in
     /// `known`.
     pub(super) fn unknown(name: &str, value: &ParameterValue, kind: &str, known: &[Parameter]) -> Self {
         let names: Vec<&str> = known.iter().map(|parameter| parameter.name).collect();
-        Self {
-            parameter: name.to_owned(),
-            value: format!("= {value}"),
-            problem: format!("sets a parameter that {kind} does not have"),
-            expected: expected_one_of(name, &names).replacen("expected ", "", 1),
-        }
+        let problem = format!("sets a parameter that {kind} does not have");
+        Self::new(name, format_args!("= {value}"), problem, &expected_one_of(name, &names))
     }
 }
 
@@ -136,12 +137,7 @@ impl Parameter {
 
     /// Returns the error for setting this parameter to `value`.
     pub(super) fn error(&self, value: impl fmt::Display, problem: impl Into<String>) -> ParameterError {
-        ParameterError {
-            parameter: self.name.to_owned(),
-            value: value.to_string(),
-            problem: problem.into(),
-            expected: self.expected.to_owned(),
-        }
+        ParameterError::new(self.name, value, problem, self.expected)
     }
 }
 

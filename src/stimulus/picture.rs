@@ -196,12 +196,8 @@ impl Picture {
         if name == Self::PICTURE {
             let found = self.files().position(|picture| picture.file == text);
             let files: Vec<&str> = self.files().map(|picture| picture.file.as_str()).collect();
-            let error = || ParameterError {
-                parameter: name.to_owned(),
-                value: text.clone(),
-                problem: "is not one of the pictures".to_owned(),
-                expected: expected_one_of(&text, &files).replacen("expected ", "", 1),
-            };
+            let problem = "is not one of the pictures";
+            let error = || ParameterError::new(name, &text, problem, &expected_one_of(&text, &files));
             self.chosen = Some(found.ok_or_else(error)?);
             return Ok(());
         }
@@ -212,12 +208,8 @@ impl Picture {
         // A row's 007 may arrive as the number 7.
         let is_it = |level: &ParameterValue| level == value || level.to_string().parse().as_ref() == Ok(value);
         let has = self.gallery.pictures.iter().filter_map(|picture| picture.levels.get(index)).any(is_it);
-        has.then_some(()).ok_or_else(|| ParameterError {
-            parameter: name.to_owned(),
-            value: text,
-            problem: "is not a level of any picture".to_owned(),
-            expected: "a level in the table of pictures".to_owned(),
-        })
+        let problem = "is not a level of any picture";
+        has.then_some(()).ok_or_else(|| ParameterError::new(name, text, problem, "a level in the table of pictures"))
     }
 
     /// Returns the file of the chosen picture, or its level of a factor.

@@ -52,13 +52,6 @@ impl Visible {
     }
 }
 
-/// What determines the bands of a ramp: its light, and how oblique it is.
-struct Ramp {
-    light: Vec<f64>,
-    orientation_deg: f64,
-    eye: Eye,
-}
-
 /// Returns how far the orientation of a stimulus is from the nearest of horizontal and vertical, 0…45°.
 fn oblique_deg(stimulus: &Stimulus) -> f64 {
     let orientation = stimulus.get("orientation_deg").and_then(|value| Cell::from(value).as_number());
@@ -102,13 +95,12 @@ impl ViewingConditions {
     pub fn visible(&self, stimuli: &[&Stimulus], size: Option<u32>) -> Result<Vec<Visible>, VisionError> {
         // A judge takes longer than a ramp, and many ramps have the same.
         let judges = Mutex::new(HashMap::new());
-        let judge = |ramp: &Ramp, px: u32| {
-            let (length, degrees) = (ramp.light.len(), ramp.orientation_deg);
+        let judge = |length: usize, px: u32, oblique_deg: f64, eye: Eye| {
             let mut judges = judges.lock().unwrap_or_else(PoisonError::into_inner);
-            Ok::<_, VisionError>(match judges.entry((length, degrees.to_bits(), ramp.eye.luminance.to_bits())) {
+            Ok::<_, VisionError>(match judges.entry((length, oblique_deg.to_bits(), eye.luminance.to_bits())) {
                 Entry::Occupied(place) => Arc::clone(place.get()),
                 Entry::Vacant(place) => {
-                    let judge = Judge::of_lines(length, self.px_per_deg(px), degrees, ramp.eye)?;
+                    let judge = Judge::of_lines(length, self.px_per_deg(px), oblique_deg, eye)?;
                     Arc::clone(place.insert(Arc::new(judge)))
                 }
             })
@@ -116,8 +108,9 @@ impl ViewingConditions {
         each_once(stimuli, |stimulus| {
             let px = size.unwrap_or_else(|| ViewingConditions::px(stimulus));
             check_extent(px as usize, px as usize, self.px_per_deg(px))?;
-            if let Some(ramp) = self.ramp(stimulus, px) {
-                return Ok(Visible::Ramp(RampBands::of(&*judge(&ramp, px)?, &ramp.light)?));
+            if let Some((light, eye)) = self.ramp(stimulus, px) {
+                let judge = judge(light.len(), px, oblique_deg(stimulus), eye)?;
+                return Ok(Visible::Ramp(RampBands::of(&judge, &light)?));
             }
             let Stimulus::ShadedMesh(shaded) = stimulus else { return Ok(Visible::Unknown) };
             let Some(frame) = shaded.frame(px) else { return Ok(Visible::Unknown) };
@@ -126,8 +119,9 @@ impl ViewingConditions {
         })
     }
 
-    /// Returns the line of a ramp in cd/m², with its plateaus beyond the window; `None` for other stimuli.
-    fn ramp(&self, stimulus: &Stimulus, size: u32) -> Option<Ramp> {
+    /// Returns the line of a ramp in cd/m², with its plateaus beyond the window, and the eye that sees it; `None` for other
+    /// stimuli.
+    fn ramp(&self, stimulus: &Stimulus, size: u32) -> Option<(Vec<f64>, Eye)> {
         let Stimulus::MachBand(_) = stimulus else { return None };
         let fine = stimulus.profile(size.saturating_mul(IN_PIXEL));
         let mean = |pixel: &[[f32; 3]]| pixel.iter().map(|light| luminance(*light)).sum::<f64>() / pixel.len() as f64;
@@ -143,7 +137,7 @@ impl ViewingConditions {
         let mut light = vec![first; before];
         light.extend(window);
         light.resize(length, last);
-        Some(Ramp { light, orientation_deg: oblique_deg(stimulus), eye })
+        Some((light, eye))
     }
 
     /// Returns the [detection](Self::detection) of each of these stimuli.

@@ -42,8 +42,8 @@ impl Judged {
         let shown = coverage::visible(frame).into_iter().map(|triangle| triangle != coverage::NONE).collect();
         let smooth = |truth: &Truth| Smooth {
             picture: truth.picture(frame),
-            mask: truth.mask(frame),
-            common: truth.common(frame),
+            mask: truth.mask(frame, true),
+            common: truth.mask(frame, false),
             apart: truth.apart(frame),
         };
         Judged { shown, truth: truth.map(smooth) }
@@ -101,8 +101,8 @@ impl Judged {
         let mut inside: Vec<f64> =
             map.enlarged().into_iter().zip(mask).filter(|(_, counts)| **counts).map(|(times, _)| times).collect();
         inside.sort_by(f64::total_cmp);
-        let p95 = inside.get(inside.len().saturating_sub(1) * 95 / 100).copied().unwrap_or_default();
-        Ok(Some(SurfaceDifference { largest: inside.last().copied().unwrap_or_default(), p95, map }))
+        let most = inside.len() - 1;
+        Ok(Some(SurfaceDifference { largest: inside[most], p95: inside[most * 95 / 100], map }))
     }
 
     /// Returns how far `picture` is from the smooth surface; `None` if the surface is not known, or no pixel can be

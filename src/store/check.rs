@@ -1,22 +1,26 @@
 //! Identifies the type of a file and finds every error in it, not only the first.
 
-use std::{collections::BTreeSet, path::Path};
+use std::{
+    collections::{BTreeSet, HashMap},
+    path::Path,
+};
 
 use super::{
     FileError, FileErrors, StoreError,
-    dataset::FRAMES_SUFFIX,
+    dataset::{self, FRAMES_SUFFIX},
     definition,
-    file::{exists, read_text},
+    file::{exists, read_bytes, read_text},
     image, matches, observer, profile,
     ratings::column_names,
     readings,
-    recorded::Recorded,
+    recorded::{Order, Recorded},
+    results,
     scene::{self, SceneFile},
     toml::Document,
 };
 use crate::{
     display::DisplayProfile,
-    experiment::{Identity, OrderedLogit, Protocol, Schedule, VisionRater},
+    experiment::{Identity, OrderedLogit, Protocol, Schedule, VisionRater, columns_by_header},
     shading::Composition,
     system::{fonts, found},
 };
@@ -73,7 +77,7 @@ pub fn check_large(name_or_path: impl AsRef<Path>, pixels: u64) -> Result<Checke
             }
             Err(error @ StoreError::Io { .. }) => return Err(error),
             // What is no table has the errors of a result file.
-            _ => check_session(path)?,
+            _ => check_results(path)?,
         },
         Some("png") => image::verify(path, pixels)?.into(),
         Some("toml") => check_toml(path, &name, &read_text(path)?)?,
@@ -143,7 +147,31 @@ pub fn missing_fonts(missing: &BTreeSet<char>) -> Option<String> {
         .then(|| format!("No font on this computer has these characters of the participant's texts: {listed}{more}."))
 }
 
-/// Checks a result file against the definition and the seed in its sidecar.
+/// Checks a result file against the definition and the seed in its sidecar. The sidecar may be missing only outside a
+/// data set.
+fn check_results(path: &Path) -> Result<Checked, StoreError> {
+    let has_sidecar = exists(&path.with_extension("json"))? || dataset::described(path)?.is_some();
+    if dataset::identity(path).is_ok() && has_sidecar {
+        return check_session(path);
+    }
+    let content = read_bytes(path, results::MAX_FILE, "a result file")?;
+    let header = content.split(|byte| *byte == b'\n').next().unwrap_or_default();
+    let columns = columns_by_header(String::from_utf8_lossy(header).trim_end().split(','));
+    let rows = results::parse(&path.display().to_string(), &content, &columns)?;
+    let (mut errors, mut orders) = (Vec::new(), HashMap::new());
+    for (row, line) in rows.iter().zip(2..) {
+        let session = (&row.subject_id, &row.session_id);
+        let order = orders.entry(session).or_insert_with(|| Order::new(false, usize::MAX));
+        errors.extend(order.add(row).into_iter().map(|message| FileError::at(path, (line, 1), message)));
+    }
+    FileErrors::none(errors)?;
+    let sentence = format!(
+        "result file: {} rows; the trial order was not checked because that requires a session's file and its sidecar",
+        rows.len()
+    );
+    Ok(sentence.into())
+}
+
 fn check_session(path: &Path) -> Result<Checked, StoreError> {
     let session = Recorded::open(path)?;
     let mut errors = [session.row_errors(), &session.changed].concat();

@@ -70,13 +70,8 @@ pub(super) fn gallery(
         return gallery;
     }
     let mut failed = |error: String| errors.add("stimulus.files", error);
-    let (factors, levels) = match levels(folder, &gallery.files) {
-        Ok(table) => table,
-        Err(error) => {
-            failed(error.to_string());
-            return gallery;
-        }
-    };
+    let table = levels(folder, &gallery.files).map_err(|error| failed(error.to_string()));
+    let Ok((factors, levels)) = table else { return gallery };
     let files = matching(folder, &gallery.files).map_err(|error| failed(error.to_string())).unwrap_or_default();
     if files.len() < 2 || files.len() > MAX_PICTURES {
         let (pattern, count) = (&gallery.files, files.len());
@@ -85,14 +80,9 @@ pub(super) fn gallery(
     let (references, shown): (Vec<String>, _) = files.into_iter().partition(|file| Some(file.as_str()) == reference);
     let missing = reference.into_iter().map(str::to_owned).filter(|file| !references.contains(file));
     let references: Vec<String> = references.iter().cloned().chain(missing).collect();
-    let mut all: Vec<PictureFile> = Vec::new();
     let read: Vec<_> = shown.par_iter().chain(&references).map(|file| picture(folder, file)).collect();
-    for picture in read {
-        match picture {
-            Ok(picture) => all.push(picture),
-            Err(error) => failed(error.to_string()),
-        }
-    }
+    let read = read.into_iter().filter_map(|picture| picture.map_err(|error| failed(error.to_string())).ok());
+    let mut all: Vec<PictureFile> = read.collect();
     for picture in all.iter_mut().take(shown.len()).filter(|_| !factors.is_empty()) {
         let name = picture.file.rsplit('/').next().unwrap_or_default();
         match levels.get(name) {

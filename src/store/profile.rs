@@ -1,6 +1,6 @@
 //! Display profiles (TOML).
 
-use std::path::Path;
+use std::{path::Path, str::FromStr};
 
 use ::toml::Table;
 use serde::{Deserialize, Serialize};
@@ -187,31 +187,27 @@ fn transfers(form: &ProfileForm, document: &mut Document<'_>) -> Transfers {
             document.error(key, format!("{key} cannot be combined with [channels]; expected only one of them"));
         }
     }
-    let mut one = |name: &str, form: &TransferForm| {
-        let path = format!("channels.{name}.transfer");
-        let found: Transfers = transfer(&path, &form.transfer, &form.encoded, &form.linear, document);
-        if found.uniform().is_none() {
-            document.error(&path, format!("{path} has several transfer functions; expected only one"));
-        }
-        found.channels()[0].clone()
+    let mut one = |name: &str, TransferForm { transfer: text, encoded, linear }: &TransferForm| {
+        transfer(&format!("channels.{name}.transfer"), text, encoded, linear, document)
     };
     Transfers::new([one("red", red), one("green", green), one("blue", blue)])
 }
 
-fn transfer(
+/// Reads a transfer function, or those of all channels.
+fn transfer<T: FromStr<Err = String> + From<Transfer>>(
     path: &str,
     text: &str,
     encoded: &Option<Vec<f64>>,
     linear: &Option<Vec<f64>>,
     document: &mut Document<'_>,
-) -> Transfers {
+) -> T {
     let found = if text == "table" {
         TransferTable::new(encoded.clone().unwrap_or_default(), linear.clone().unwrap_or_default())
             .map(|table| Transfer::Table(table).into())
     } else if encoded.is_some() || linear.is_some() {
         Err("encoded and linear require transfer = \"table\"; expected that, or no lists".to_owned())
     } else {
-        text.parse::<Transfers>().map_err(|error| format!("{error} (or table)"))
+        text.parse().map_err(|error| format!("{error} (or table)"))
     };
     found.unwrap_or_else(|message| {
         document.error(path, message);

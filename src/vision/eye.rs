@@ -113,13 +113,6 @@ impl Default for Masking {
     }
 }
 
-impl Default for Eye {
-    /// 50 cd/m² is half the white of a typical screen.
-    fn default() -> Self {
-        Self::adapted_to(50.0)
-    }
-}
-
 impl Eye {
     /// Creates an average eye that is adapted to `luminance` cd/m².
     pub fn adapted_to(luminance: f64) -> Self {

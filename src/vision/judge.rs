@@ -308,12 +308,6 @@ impl DifferenceMap {
         self.times.iter().copied().fold(0.0, f64::max)
     }
 
-    /// Returns the pixel at the middle of a place.
-    fn pixel(&self, i: usize) -> [usize; 2] {
-        let place = [i % self.places[0], i / self.places[0]];
-        [0, 1].map(|axis| (2 * place[axis] + 1) * self.size[axis] / (2 * self.places[axis]))
-    }
-
     /// Returns up to `number` peaks, the highest first, that are at least `apart` pixels from each other.
     pub fn peaks(&self, number: usize, apart: f64) -> Vec<Place> {
         let [columns, rows] = self.places;
@@ -326,7 +320,9 @@ impl DifferenceMap {
         all.sort_by(|a, b| self.times[*b].total_cmp(&self.times[*a]));
         let mut found: Vec<Place> = Vec::new();
         for i in all {
-            let [x, y] = self.pixel(i);
+            // The pixel at the middle of the place.
+            let middle = |axis: usize, place: usize| (2 * place + 1) * self.size[axis] / (2 * self.places[axis]);
+            let (x, y) = (middle(0, i % columns), middle(1, i / columns));
             let is_far = |other: &Place| (x as f64 - other.x as f64).hypot(y as f64 - other.y as f64) >= apart;
             if found.iter().all(is_far) {
                 found.push(Place { x, y, times_threshold: self.times[i] });

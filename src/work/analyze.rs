@@ -290,7 +290,7 @@ impl Analyze {
             items: self.items.clone(),
             link: self.model.link,
             random: self.random,
-            max_coefficients: self.model.max_coefficients(),
+            max_coefficients: Some(self.model.max_coefficients()),
             slopes: self.model.slopes,
             resampling: self.resampling,
             parameters: source.parameters(),

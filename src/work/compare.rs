@@ -1,7 +1,7 @@
 //! How visible the difference between two pictures is, and that between a picture and what its codes were rounded from.
 
 use std::{
-    collections::BTreeSet,
+    collections::BTreeMap,
     path::{Path, PathBuf},
 };
 
@@ -16,7 +16,7 @@ use crate::{
     stimulus::ViewingConditions,
     store::{
         self, StoreError,
-        image::{MAX_PIXELS, Origin, Picture},
+        image::{MAX_PIXELS, Picture},
     },
     system::{checkpoint, entries, found},
     text::number::{positive, within},
@@ -155,7 +155,7 @@ impl Lit {
     }
 
     fn of_picture(name: &str, picture: &Picture) -> Lit {
-        Self::of(name, &picture.codes.light(&picture.transfers), picture.weights, said(picture.origin))
+        Self::of(name, &picture.codes.light(&picture.transfers), picture.weights, picture.origin.to_owned())
     }
 }
 
@@ -195,51 +195,52 @@ impl Compare {
         Ok(found(&self.picture)?.is_some_and(|found| found.is_dir()))
     }
 
-    /// Compares the pictures in two folders in pairs by name; the watcher learns the number of pairs. Each pair has its
-    /// own result or error, in the order of their names. What else is in the folders is named in sentences.
+    /// Compares the pictures in two folders in pairs by name; the watcher learns the number of pairs, and what else is in the
+    /// folders. Each pair has its own result or error, in the order of their names.
     ///
     /// # Errors
     /// A folder cannot be read, or there are no pictures. That a picture has no counterpart is the error of its pair.
-    pub fn folders(&self, watcher: &dyn Watcher) -> anyhow::Result<(Vec<Pair>, Vec<String>)> {
+    pub fn folders(&self, watcher: &dyn Watcher) -> anyhow::Result<Vec<Pair>> {
         let encoded = self.encoded(watcher)?;
-        let (folder, others) = (&self.picture, self.reference()?);
-        let ([names, left], [counterparts, also_left]) = (pictures(folder)?, pictures(others)?);
-        let left_out = |(folder, names): (&Path, Vec<String>)| {
-            let names: Vec<_> = names.iter().map(|name| printable(name)).collect();
-            let message = format!("{}: only PNG files are compared, not {}", folder.display(), names.join(", "));
-            (!names.is_empty()).then_some(message)
-        };
-        let left_out = [(folder.as_path(), left), (others, also_left)].into_iter().filter_map(left_out).collect();
-        let all: Vec<&String> = names.iter().chain(&counterparts).collect::<BTreeSet<_>>().into_iter().collect();
+        let folders = [self.picture.as_path(), self.reference()?];
+        // The names of pictures, and in which folders they are.
+        let mut all: BTreeMap<String, [bool; 2]> = BTreeMap::new();
+        for (place, folder) in folders.into_iter().enumerate() {
+            let [pictures, others] = pictures(folder)?;
+            pictures.into_iter().for_each(|name| all.entry(name).or_default()[place] = true);
+            if !others.is_empty() {
+                let others = others.join(", ");
+                let others = printable(&others);
+                watcher.warn(&format!("{}: only PNG files are compared, not {others}", folder.display()));
+            }
+        }
+        let all: Vec<(String, [bool; 2])> = all.into_iter().collect();
         if all.is_empty() {
-            anyhow::bail!("{}: contains no PNG; expected pictures", folder.display());
+            anyhow::bail!("{}: contains no PNG; expected pictures", self.picture.display());
         }
         let done = std::sync::atomic::AtomicU64::new(0);
-        let one = |name: &&String| {
-            let name = name.as_str();
+        let one = |(name, are_there): &(String, [bool; 2])| {
             let compare = || {
-                for (folder, names) in [(folder.as_path(), &names), (others, &counterparts)] {
-                    if !names.iter().any(|own| own == name) {
-                        let (folder, name) = (folder.display(), printable(name));
-                        anyhow::bail!("{folder}: lacks {name}; expected the same names in both folders");
-                    }
+                if let Some((folder, _)) = folders.iter().zip(are_there).find(|(_, is_there)| !**is_there) {
+                    let (folder, name) = (folder.display(), printable(name));
+                    anyhow::bail!("{folder}: lacks {name}; expected the same names in both folders");
                 }
-                let shown = self.read(&folder.join(name), &encoded)?;
-                self.compared(shown, self.read(&others.join(name), &encoded)?, &encoded)
+                let [shown, reference] = folders.map(|folder| self.read(&folder.join(name), &encoded));
+                self.compared(shown?, reference?, &encoded)
             };
             // A map for every pair would not fit into memory.
             let found = compare().map(|found| Compared { map: Vec::new(), ..found });
             let done = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
             watcher.progress(done, all.len() as u64);
-            (name.to_owned(), found)
+            (name.clone(), found)
         };
-        let is_small = |name: &&String| store::image::pixels(&folder.join(name)).unwrap_or(0) <= SMALL_PX;
-        let found = if all.iter().all(is_small) {
+        let path = |name: &String| folders[0].join(name);
+        let is_small = |(name, _): &(String, _)| store::image::pixels(&path(name)).unwrap_or(0) <= SMALL_PX;
+        Ok(if all.iter().all(is_small) {
             all.par_iter().with_max_len(1).map(one).collect()
         } else {
             all.iter().map(one).collect()
-        };
-        Ok((found, left_out))
+        })
     }
 
     /// Judges the steps between the codes of a picture: the one given, or otherwise that of the request.
@@ -281,7 +282,7 @@ impl Compare {
             rounded: rounded.map(|rounded| largest(&rounded, &target)).transpose()?,
             dithered: largest(&grain, &target)?,
             viewing,
-            light: said(picture.origin),
+            light: picture.origin.to_owned(),
             bits: levels.bits,
             file_bits: picture.bits,
             is_edges,
@@ -434,15 +435,6 @@ fn wrong(name: &str, error: &VisionError) -> anyhow::Error {
     anyhow::anyhow!("{}: {error}", printable(name))
 }
 
-/// Says what the codes of a picture mean.
-fn said(origin: Origin) -> String {
-    match origin {
-        Origin::Given => "as asked".to_owned(),
-        Origin::Chunk(name) => format!("by the file's {name}"),
-        Origin::Assumed => "sRGB is assumed, because nothing says what the codes mean".to_owned(),
-    }
-}
-
 /// Returns a picture in memory as light.
 fn lit(given: Given, name: &str, encoded: &Encoded) -> Lit {
     match given {
@@ -478,18 +470,14 @@ fn smooth(picture: &Picture, levels: Levels) -> (LinearImage, bool) {
     (LinearImage { width: *width, height: *height, data }, smooth.iter().any(|(_, is_edges)| *is_edges))
 }
 
-/// Returns the names of the PNG files in a folder, in order, and of what else is visible in it.
+/// Returns the names of the PNG files in a folder, and of what else is visible in it.
 fn pictures(folder: &Path) -> anyhow::Result<[Vec<String>; 2]> {
     if !found(folder)?.is_some_and(|found| found.is_dir()) {
         anyhow::bail!("{}: is not a folder, but the other one is; expected two folders", folder.display());
     }
-    let name = |path: PathBuf| match path.file_name().and_then(|name| name.to_str()) {
-        Some(name) => Ok(name.to_owned()),
-        None => Err(anyhow::anyhow!("{}: the name is not Unicode; expected one that is", path.display())),
-    };
     let pictures = store::image::listed(folder)?;
-    let lossy = |path: PathBuf| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let others = entries(folder)?.into_iter().filter(|path| !pictures.contains(path)).map(lossy);
-    let others = others.filter(|name| !name.starts_with('.')).collect();
-    Ok([pictures.into_iter().map(name).collect::<Result<_, _>>()?, others])
+    let name = |path: &PathBuf| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let all = entries(folder)?;
+    let others = all.iter().filter(|path| !pictures.contains(path)).map(name).filter(|name| !name.starts_with('.'));
+    Ok([pictures.iter().map(name).collect(), others.collect()])
 }

@@ -69,7 +69,10 @@ impl Planned {
             None => format!(
                 "For this observer, {words} has no effect. The false-alarm rate, expected to be {}, is {}.",
                 percent(self.sampling.alpha),
-                clauses(&|powers| self.false_alarms(powers))
+                clauses(&|powers| {
+                    let shares: Vec<String> = powers.iter().map(|power| found(power)).collect();
+                    format!("{} with {}", shares.join(", "), self.test(powers[powers.len() - 1]))
+                })
             ),
             Some(Effect { logits: effect, above, below }) => {
                 let size = effect.map_or_else(String::new, |size| format!("{} ", logits(size)));
@@ -99,11 +102,6 @@ impl Planned {
             (None, Some(_)) => format!("{people} may be {enough}, {share}; only more simulated studies can tell"),
             (None, None) => format!("no number tried is {enough}; the highest power is {share} with {people}"),
         }
-    }
-
-    fn false_alarms(&self, powers: &[&Power]) -> String {
-        let shares: Vec<String> = powers.iter().map(|power| found(power)).collect();
-        format!("{} with {}", shares.join(", "), self.test(powers[powers.len() - 1]))
     }
 
     /// States the limitations of the findings.

@@ -14,7 +14,7 @@ use crate::{
     },
     store::{
         self,
-        image::{Origin, Picture},
+        image::{ASSUMED, Picture},
     },
     system::now,
     text::{
@@ -66,8 +66,8 @@ pub struct Encoded {
 impl Encoded {
     /// Returns codes in memory as a picture.
     pub fn given(&self, codes: CodeImage) -> Picture {
-        let origin = if self.is_given { Origin::Given } else { Origin::Assumed };
-        self.shows(Picture { origin, ..Picture::given(codes, self.transfers.clone()) })
+        let picture = Picture::given(codes, self.transfers.clone());
+        self.shows(if self.is_given { picture } else { Picture { origin: ASSUMED, ..picture } })
     }
 
     /// Returns a picture with the primaries of the display profile, if it has any.

@@ -257,7 +257,7 @@ impl Plan {
             set(effect, &mut observer.parameters(), &protocol)?;
         }
         let Model { terms, link, slopes, .. } = self.model.clone();
-        let max_coefficients = self.model.max_coefficients();
+        let max_coefficients = Some(self.model.max_coefficients());
         let model = Options { terms, link, slopes, max_coefficients, ..Options::default() };
         let plan = power::Plan::new(&protocol, &observer, &shifts, &self.slopes(), &model).map_err(refused)?;
         let sampling = Sampling { studies: self.studies, alpha: self.alpha, seed: self.seed };

@@ -126,10 +126,10 @@ impl Predict {
         protocol.chosen_later().map_or(Ok(()), |message| Err(RequestError::whole(message)))?;
         let conditions = protocol.conditions();
         self.check_number(&protocol, conditions.len())?;
-        conditions.iter().try_for_each(|condition| self.size_of(&condition.stimulus).map(drop))?;
+        let size = self.size_of(&protocol.stimulus)?;
         let study = if self.fit.is_empty() { None } else { Some(self.study(&protocol)?) };
         let planned = study.as_ref().map_or(protocol.viewing.window_deg, |study| window_deg(&study.source, &protocol));
-        let viewing = self.viewing(&encoded, self.size_of(&protocol.stimulus)?, planned);
+        let viewing = self.viewing(&encoded, size, planned);
         let wrong = |error| self.unseen(protocol.stimulus.kind(), &error);
         let stimuli: Vec<&Stimulus> = conditions.iter().map(|condition| &condition.stimulus).collect();
         let found = viewing.visible(&stimuli, self.size).map_err(wrong)?;

@@ -1,7 +1,7 @@
 //! Sessions with a simulated observer.
 
 use std::{
-    collections::{BTreeMap, BTreeSet},
+    collections::BTreeMap,
     path::PathBuf,
     sync::{
         OnceLock,
@@ -17,7 +17,7 @@ use serde::Serialize;
 use super::{RequestError, Watcher};
 use crate::{
     experiment::{
-        self, Course, FrameCount, Identity, Observer, OrderedLogit, Protocol, Resumed, RowContext, Schedule, Session,
+        self, Course, FrameCount, Identity, Observer, OrderedLogit, Protocol, Resumed, RowContext, Session,
         SessionOptions, TrialRecord, UniformObserver, VisionObserver, VisionRater,
     },
     stimulus::Stimulus,
@@ -136,8 +136,8 @@ pub fn simulate(request: &Simulate, protocol: &Protocol, watcher: &dyn Watcher) 
 pub fn one_session(protocol: &Protocol) -> anyhow::Result<Vec<TrialRecord>> {
     let observer = VisionObserver::new(VisionRater::default(), protocol).map_err(anyhow::Error::msg)?;
     let identity = Identity::new("S001", "1").map_err(anyhow::Error::msg)?;
-    let schedule = Schedule::new(protocol, &identity, 1)?;
-    let course = Course::new(protocol.clone(), schedule.clone());
+    let course = Course::new(protocol, &identity, 1)?;
+    let schedule = course.schedule().clone();
     let mut session = Session::new(course, &Resumed::default(), NO_SCREEN);
     let context = RowContext { protocol, schedule: &schedule, identity: &identity, sitting: 1 };
     let (mut rows, start) = (Vec::new(), now());
@@ -195,7 +195,7 @@ impl Simulation<'_> {
             || SessionStore::resume(&request.results, protocol, &identity, Some(seed), sitting.clone(), changes);
         let (mut store, left) = match request.resume.then(resume) {
             None | Some(Err(StoreError::NothingToResume(_))) => {
-                let course = Course::new(protocol.clone(), Schedule::new(protocol, &identity, seed)?);
+                let course = Course::new(protocol, &identity, seed)?;
                 let store = SessionStore::create(&request.results, protocol, &identity, seed, sitting)?;
                 (store, Interrupted::before_the_first_trial(course))
             }
@@ -218,14 +218,10 @@ impl Simulation<'_> {
         let origin = before(now(), elapsed);
         let mut session = Session::new(course, &resumed, NO_SCREEN);
         let context = RowContext { protocol, schedule: &schedule, identity: &identity, sitting };
-        let (mut shown, mut conditions) = (BTreeMap::new(), BTreeSet::new());
+        let mut shown = BTreeMap::new();
         let rated = experiment::simulate(&mut session, self.observer.as_ref(), &identity, elapsed, |response| {
             self.advance(1);
-            if protocol.task.is_default() {
-                conditions.insert(schedule.trials[response.trial].condition);
-            } else {
-                shown.extend(response.shown.stimuli.iter().map(|stimulus| (stimulus.key(), stimulus.clone())));
-            }
+            shown.extend(response.shown.stimuli.iter().map(|stimulus| (stimulus.key(), stimulus.clone())));
             store.append(&TrialRecord::new(&context, response, after(origin, response.onset)))?;
             watcher.check(store.csv())
         });
@@ -235,12 +231,12 @@ impl Simulation<'_> {
         // A signal may arrive during the last trial.
         let complete = session.current().is_none();
         let all = || schedule.conditions.iter().map(|condition| &condition.stimulus);
-        if complete && protocol.task.is_default() {
+        if protocol.task.is_default() && (complete || self.hashes.get().is_some()) {
             let hashes = self.hashes.get_or_init(|| self.hash(&all().collect::<Vec<_>>()));
-            store.note_pictures(all().zip(hashes.iter().cloned()));
+            let was_shown = |stimulus: &Stimulus| complete || shown.contains_key(&stimulus.key());
+            store.note_pictures(all().zip(hashes.iter().cloned()).filter(|(stimulus, _)| was_shown(stimulus)));
         } else {
-            let rated = all().enumerate().filter_map(|(i, stimulus)| conditions.contains(&i).then_some(stimulus));
-            let shown: Vec<&Stimulus> = shown.values().chain(rated).collect();
+            let shown: Vec<&Stimulus> = shown.values().collect();
             let hashes = self.hash(&shown);
             store.note_pictures(shown.into_iter().zip(hashes));
         }

@@ -59,12 +59,11 @@ impl FromStr for Shard {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let (index, of) =
-            text.split_once('/').ok_or_else(|| format!("shard {text:?} has no slash; expected I/N such as 1/3"))?;
-        match (index.parse(), of.parse()) {
-            (Ok(index), Ok(of)) if (1..=of).contains(&index) && of <= 1_000_000 => Ok(Self { index, of }),
-            _ => Err(format!("shard {text:?} does not exist; expected I/N with 1 ≤ I ≤ N ≤ 1000000, such as 1/3")),
-        }
+        let parts = text.split_once('/');
+        let shard = parts.and_then(|(index, of)| Some(Self { index: index.parse().ok()?, of: of.parse().ok()? }));
+        let shard = shard.filter(|shard| (1..=shard.of).contains(&shard.index) && shard.of <= 1_000_000);
+        shard
+            .ok_or_else(|| format!("shard {text:?} does not exist; expected I/N with 1 ≤ I ≤ N ≤ 1000000, such as 1/3"))
     }
 }
 

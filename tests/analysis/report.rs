@@ -229,8 +229,12 @@ fn problems_with_the_data_are_reported() {
     let mut source = Source { protocol: Some(protocol.clone()), ..source(&FACTORS) };
     source.sessions = ["S001", "S002"].map(|subject| session(&protocol, subject, person.clone())).to_vec();
     let fine = text(&page(&source, &results));
-    let expected =
-        ["All planned trials of 2 sessions are rated", "all sittings were run in the same way", "No errors were found"];
+    let expected = [
+        "All planned trials of 2 sessions are rated",
+        "all sittings were run in the same way",
+        "No errors were found",
+        "Figure 1. Mean rating",
+    ];
     assert_parts(&fine, &expected);
     assert!(!fine.contains("are simulated"));
 
@@ -315,6 +319,10 @@ fn the_report_shows_the_prediction_or_says_why_there_is_none() {
     };
     why(None, &results, "no definition");
     why(Some(&protocol), &results, "varies orientation_deg, which is not a factor of this analysis");
+    let picture = figures::stimulus(&protocol).unwrap();
+    assert!(picture.caption.contains("width 0.02, depth 1 and orientation 0°"), "{}", picture.caption);
+    // Squares of one color in a column are one rectangle.
+    assert!((65..=64 * 64).contains(&picture.svg.matches("<rect").count()));
     let two_factors = |definition: &mut Definition| definition.factors.truncate(2);
     let protocol = protocol.with(two_factors).unwrap();
     let (text_of_three, figures) = predicted(Some(&protocol), &results);

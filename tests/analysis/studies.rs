@@ -396,7 +396,7 @@ fn sentences_agree() {
         let terms = [None, Some("a*b"), Some("a")][seed as usize / 2 % 3];
         let results = analyze(
             study(&["a", "b"], &CROSSED, (people, ratings, seed), latent),
-            &Options { checks: false, ..fewer_draws(terms) },
+            &Options { unchecked: true, ..fewer_draws(terms) },
         );
         let Summary { findings, cautions, .. } = said(&results);
         let all = format!("seed {seed}: {findings:#?} {cautions:#?}");

@@ -106,7 +106,7 @@ fn bands_do_not_depend_on_how_a_ramp_is_drawn() {
     let light = |shift: f64| -> Vec<f64> {
         (0..1000).map(|i| 25.0 + 50.0 * ((f64::from(i) + 0.5 + shift - 500.0) / 64.0 + 0.5).clamp(0.0, 1.0)).collect()
     };
-    let judge = Judge::of_lines(1000, 80.0, 0.0, Eye::default()).unwrap();
+    let judge = Judge::of_lines(1000, 80.0, 0.0, Eye::adapted_to(50.0)).unwrap();
     let shifts = (0..8).map(|k| RampBands::of(&judge, &light(f64::from(k) / 8.0)).unwrap().bright);
     let shifts: Vec<f64> = shifts.collect();
     assert!(shifts.iter().all(|bright| (bright / shifts[0] - 1.0).abs() < 0.03), "{shifts:?}");

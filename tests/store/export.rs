@@ -160,7 +160,7 @@ fn every_cell_and_every_picture_is_exported() {
     let quick: Vec<PathBuf> = files.filter(|path| path.to_string_lossy().ends_with("task-quick_beh.tsv")).collect();
     let used = |study: &Study| -> Vec<_> {
         let files = study.source.files.iter();
-        files.map(|file| (file.layout, file.rows, file.counted, file.practice, file.superseded)).collect()
+        files.map(|file| (file.rows, file.counted, file.practice, file.superseded)).collect()
     };
     for how in [&how, &named, &ReadOptions::default()] {
         let read = Study::read(&quick, how).unwrap();

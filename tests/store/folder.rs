@@ -358,7 +358,7 @@ mod trouble {
 fn rate_at_60_hz(store: &mut SessionStore, schedule: &Schedule, resumed: &Resumed, sitting: u32, trials: usize) {
     let (protocol, identity) = (small(), identity());
     let options = SessionOptions { pages: 0, frames: FrameCount::Against(1.0 / 60.0) };
-    let mut session = Session::new(Course::new(protocol.clone(), schedule.clone()), resumed, options);
+    let mut session = Session::new(Course::new(&protocol, &identity, SEED).unwrap(), resumed, options);
     let context = RowContext { protocol: &protocol, schedule, identity: &identity, sitting };
     let mut rated = 0;
     // Each sitting begins after the previous one.

@@ -177,10 +177,11 @@ fn a_complete_session_is_not_run_again() {
     assert!(succeeds(folder.path(), &resume).contains("is already complete"));
 }
 
-/// After each of these edits, every row is still planned and can be read. Every edit is reported.
+/// After each of these edits, every row is still planned and can be read. Every edit is reported, with and without the
+/// sidecar.
 #[test]
 fn rows_that_no_session_could_have_recorded_are_reported() {
-    let (_folder, csv) = ended(usize::MAX);
+    let (folder, csv) = ended(usize::MAX);
     let whole = fs::read_to_string(&csv).unwrap();
     // Exchanges the cells `from` to `to` of two rows; the other cells stay in their place.
     let exchanged = |text: &str, a: usize, b: usize, from: usize, to: usize| {
@@ -202,11 +203,15 @@ fn rows_that_no_session_could_have_recorded_are_reported() {
         (whole.replace("_main_0003_1,", "_main_0003_0,").replace(",main,1,3,1,", ",main,1,3,0,"), "is attempt 0"),
         (whole.replace("_main_0003_1,", "_main_0003_2,").replace(",main,1,3,1,", ",main,1,3,2,"), "is attempt 2"),
     ];
+    // A copy of the rows has no sidecar.
+    let copy = folder.path().join("rows.csv");
     for (content, expected) in cases {
         assert_ne!(content, whole, "{expected}");
-        fs::write(&csv, &content).unwrap();
-        let error = check::check(&csv).map(|_| ()).expect_err(expected).to_string();
-        assert!(error.contains(expected), "{expected}: {error}");
+        for path in [&csv, &copy] {
+            fs::write(path, &content).unwrap();
+            let error = check::check(path).map(|_| ()).expect_err(expected).to_string();
+            assert!(error.contains(expected), "{} {expected}: {error}", path.display());
+        }
     }
     fs::write(&csv, &whole).unwrap();
     check::check(&csv).unwrap();

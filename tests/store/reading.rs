@@ -16,7 +16,7 @@ use machband::{
         Columns, FileErrors,
         dataset::SessionPaths,
         definition,
-        ratings::{self, FileRead, Layout, ReadOptions, Reason, Source},
+        ratings::{self, FileRead, ReadOptions, Reason, Source},
         session::SessionStore,
         table::List,
     },
@@ -173,7 +173,7 @@ mod what_counts {
         for read in &source.files {
             // Trials 3, 7 and 11 of 0…14 were corrected.
             assert_eq!((read.rows, read.practice, read.superseded), (MAIN + PRACTICE + 3, PRACTICE, 3), "{read:?}");
-            assert_eq!((read.counted, read.ratings, read.erroneous, read.layout), (MAIN, MAIN, 0, Layout::Results));
+            assert_eq!((read.counted, read.ratings, read.erroneous), (MAIN, MAIN, 0));
         }
         // In any order of rows and columns.
         let expected = expected(&files);

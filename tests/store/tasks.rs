@@ -446,7 +446,7 @@ fn every_task_is_analyzed_and_none_is_taken_for_ratings() {
         let printed = succeeds(folder.path(), &["analyze", "results/tasks", "--out", "analysis"]);
         assert!(printed.starts_with("3 participants gave "), "{name}: {printed}");
         assert!(
-            printed.contains("These data are simulated: a program gave the answers in 3 sessions."),
+            printed.contains("These data are simulated: a program gave the answers of 3 sessions."),
             "{name}: {printed}"
         );
         let report = fs::read_to_string(folder.path().join("analysis/report.html")).unwrap();

@@ -129,7 +129,7 @@ fn study(measured: Measured, truth: &Value, draws: u32) -> Tally {
     });
     let terms = names.collect::<Vec<_>>().join(",").parse().ok();
     let resampling = Resampling { draws, ..Resampling::default() };
-    let results = analyze(measured, &Options { terms, items, resampling, checks: false, ..Options::default() });
+    let results = analyze(measured, &Options { terms, items, resampling, unchecked: true, ..Options::default() });
     tally(&results, truth)
 }
 

@@ -18,7 +18,7 @@ use tools::{
     blue_noise::{MASK_SEED, void_and_cluster},
     coverage::{coverage, recover},
     python,
-    thresholds::{CSF, NAMES, People, unit},
+    thresholds::{CSF, NAMES, People, octaves, unit},
 };
 
 #[test]
@@ -142,20 +142,23 @@ fn a_few_studies_recover_their_effects() {
 }
 
 /// The parameters in the code are those that the fit ends at: a further step would change none of them by more than 2 %,
-/// and the bounds that `docs/models.md` states hold.
+/// and the model is as near to people as `docs/models.md` states.
 #[test]
 fn the_detection_model_is_fitted_to_the_thresholds_of_people() {
     let people = People::read().unwrap();
     let held = Sensitivity::default();
     let errors = people.errors(&held);
-    assert!(people.rms(&errors, &["modelfest"]) <= 0.06, "ModelFest");
+    assert!(people.rms(&errors, &["modelfest"]) <= 0.055, "ModelFest");
     assert!(people.rms(&errors, &CSF) <= 0.12, "contrast sensitivity");
-    assert!(people.rms(&errors, &["edges"]) <= 0.05, "edges without noise");
-    for (edge, (error, _)) in people.edges.iter().zip(people.edges(&held, &Masking::default())) {
-        assert!(error.abs() <= 0.35, "{} noise, {}°: {error}", edge.noise, edge.width_deg);
+    assert!(people.rms(&errors, &["edges"]) <= 0.03, "edges without noise");
+    for (cpd, bias, _) in octaves(&people, &errors) {
+        assert!(bias.abs() <= 0.085, "{cpd} cycles per degree: {bias}");
     }
+    let edges: Vec<f64> = people.edges(&held, &Masking::default()).into_iter().map(|(error, _)| error).collect();
+    let rms = (edges.iter().map(|error| error * error).sum::<f64>() / edges.len() as f64).sqrt();
+    assert!(rms <= 0.12 && edges.iter().all(|error| error.abs() <= 0.35), "edges: {edges:?}");
     let (leave_one_out, step) = people.linearized(&held);
-    assert!(leave_one_out <= 0.08, "leave-one-out: {leave_one_out}");
+    assert!(leave_one_out <= 0.062, "leave-one-out: {leave_one_out}");
     for (name, step) in NAMES.iter().zip(step) {
         assert!(step.abs() <= 0.02, "{name} would change by {:.2} %", 100.0 * step);
     }

@@ -151,11 +151,6 @@ impl MeasuredBuilder {
         Ok(self.ratings.len() as u8 - 1)
     }
 
-    /// Returns the number of distinct combinations of participant and condition so far.
-    pub fn cells(&self) -> usize {
-        self.cells.len()
-    }
-
     /// Returns everything that was collected, in natural order.
     pub fn finish(mut self) -> Measured {
         // The index is no longer needed, and there may be many cells.

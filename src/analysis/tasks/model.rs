@@ -182,7 +182,7 @@ pub(super) struct Priors {
     /// The lowest and the highest level.
     pub range: [f64; 2],
     /// The least width.
-    least_width: f64,
+    pub least_width: f64,
     /// Whether γ is estimated.
     pub has_free_guess: bool,
     /// The greatest λ.

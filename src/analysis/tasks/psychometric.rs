@@ -35,6 +35,9 @@ pub struct Fit {
     /// Whether the interval of the threshold reaches beyond the range of levels. There, the prior limits it, not the
     /// answers.
     pub is_extrapolated: bool,
+    /// Whether the most probable width is one that the prior makes less likely, because the levels are too far apart for it. The
+    /// slope may then be higher than its interval.
+    pub is_steep: bool,
 }
 
 /// How well a psychometric function fits.
@@ -81,6 +84,7 @@ pub fn fit(points: &[Point], model: &Model) -> Result<Fit, &'static str> {
         slope_interval: if model.falls { slope.scaled(-1.0) } else { slope },
         range: [low, high],
         is_extrapolated: threshold.low < low || threshold.high > high,
+        is_steep: estimate.width < 2.0 * posterior.priors.least_width,
     })
 }
 

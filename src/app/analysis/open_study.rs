@@ -378,7 +378,7 @@ impl Outcome {
         let mut options = request.options(&study.source);
         if is_draft {
             // A model without coefficients is none, and nothing is simulated for it.
-            (options.max_coefficients, options.checks) = (0, false);
+            (options.max_coefficients, options.unchecked) = (Some(0), true);
         }
         let progress = |done: usize, all: usize| simulated.set(done as u64, all as u64);
         let results = Arc::new(analyze_with(measured, &options, &progress));

@@ -174,8 +174,6 @@ pub struct Export {
     dialog: Dialog,
     work: Option<(PathBuf, BackgroundTask<Result<usize, StoreError>>)>,
     saving: Saving,
-    /// What was shown when the outcome of the last export was; it says nothing about other results.
-    of: Option<Analyze>,
     /// The folder with the last export.
     written: Option<PathBuf>,
 }
@@ -203,12 +201,6 @@ impl Export {
     /// Draws the controls. Nothing can be exported while no results are shown; `request` is what was asked for.
     pub fn show(&mut self, ui: &mut egui::Ui, request: Option<&Analyze>, exported: Option<&Exported<'_>>) {
         self.take_outcome(ui.ctx());
-        if let Some(Exported { request, .. }) = exported
-            && self.of.as_ref() != Some(request)
-        {
-            self.of = Some((*request).clone());
-            self.saving = Saving::default();
-        }
         let width = ui.available_width();
         let field = Field::new("Export to the folder").width(width).text(ui, &mut self.folder);
         let mut changed = field.changed();

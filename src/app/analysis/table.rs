@@ -37,9 +37,9 @@ impl TableView {
         }
         let height = ui.text_style_height(&TextStyle::Body) + 8.0;
         let size = Vec2::new(self.widths.iter().sum(), height * (self.table.rows.len() + 1) as f32);
-        // The bar of a table that is out of view would be at the edge of the view.
-        let is_seen = ui.is_rect_visible(Rect::from_min_size(ui.cursor().min, Vec2::new(1.0, size.y)));
-        let bar = if is_seen { ScrollBarVisibility::VisibleWhenNeeded } else { ScrollBarVisibility::AlwaysHidden };
+        // The bar of a table below the view would be at the edge of the view.
+        let is_below = ui.cursor().top() > ui.clip_rect().bottom();
+        let bar = if is_below { ScrollBarVisibility::AlwaysHidden } else { ScrollBarVisibility::VisibleWhenNeeded };
         let area = ScrollArea::horizontal().scroll_bar_visibility(bar).id_salt(id).auto_shrink([false, true]);
         let clicked = area.show(ui, |ui| {
             let (rect, response) = ui.allocate_exact_size(size, Sense::hover());

@@ -6,7 +6,9 @@ use eframe::egui;
 
 use super::{calibrate::LABELS, card::CardHelper, tool::Tool};
 use crate::{
-    app::ui::{Field, Monitor, ScreenFields, Step, note, number, platform::Platform, show_error, tool_page},
+    app::ui::{
+        Field, Monitor, ScreenFields, Step, number, platform::Platform, show_error, text, theme::ink, tool_page,
+    },
     display::{Viewing, geometry::distance_cm},
 };
 
@@ -37,9 +39,9 @@ impl GeometryPage {
                 }
             });
         });
-        if fields.width_is_assumed() {
-            note(ui, monitor.assumption() + ".");
-        }
+        // The note has the same room without its text.
+        let assumed = if fields.width_is_assumed() { monitor.assumption() + "." } else { String::new() };
+        text::two_lines(ui, &assumed, ink(ui).warn, 2);
         field("Viewing distance, cm").width(90.0).text(ui, &mut fields.distance_cm);
         field("Planned stimulus size, degrees").width(90.0).text(ui, &mut self.window_deg);
     }

@@ -52,8 +52,9 @@ pub struct Editor {
     preview: Preview,
     thumbnails: Thumbnails,
     fonts: TextFonts,
-    /// The part of the form to scroll to.
+    /// The part of the form to scroll to, and whether the form has been drawn.
     wanted: Option<usize>,
+    is_shown: bool,
     /// Whether the user is being asked to discard the changes.
     leaving: bool,
 }
@@ -142,9 +143,10 @@ impl Editor {
         Step::back_if(self.leaving && self.discards(ui.ctx()))
     }
 
-    /// Returns the scrolling room of the form. It begins at its top for each definition.
-    fn scrolled(&self) -> ScrollArea {
-        ScrollArea::vertical().id_salt(&self.of).auto_shrink(false)
+    /// Returns the scrolling room of the form, which begins at its top.
+    fn scrolled(&mut self) -> ScrollArea {
+        let area = ScrollArea::vertical().id_salt("form").auto_shrink(false);
+        if std::mem::replace(&mut self.is_shown, true) { area } else { area.vertical_scroll_offset(0.0) }
     }
 
     fn fields(&mut self, ui: &mut Ui) {

@@ -432,8 +432,10 @@ fn curves(recipe: &Recipe, quantizer: &Quantizer) -> [Trace; 2] {
     let strongest = recipe.stimulus.strongest_channel();
     let light = recipe.stimulus.profile(SAMPLES);
     let at = |i: u32| [place(i, SAMPLES), f64::from(light[i as usize][strongest])];
-    let samples = store::curve::samples(recipe, quantizer);
-    [(0..SAMPLES).map(at).collect(), samples.iter().map(|sample| [sample.x, sample.emitted]).collect()]
+    let table = store::curve::table(recipe, quantizer);
+    let [x, emitted] = ["x", "emitted"].map(|name| table.column(name).map_or(&[][..], |column| &column.cells));
+    let emitted = x.iter().zip(emitted).filter_map(|(x, light)| Some([x.as_number()?, light.as_number()?]));
+    [(0..SAMPLES).map(at).collect(), emitted.collect()]
 }
 
 /// The viewing distance and luminance of the stimulus.

@@ -126,9 +126,6 @@ impl UnsavedAnswerPage {
                 choice = Some(SaveChoice::Retry);
             }
             ui.add_space(12.0);
-            if let Some(rescue) = &self.rescue {
-                ui.label(format!("The folder {} belongs to you, and nobody else can open it.", rescue.display()));
-            }
             let field = Field::new("Or save the entire session in another folder:").column(theme::COLUMN).width(380.0);
             field.path(ui, &mut self.folder, &mut self.dialog, (FileKind::Folder, "Choose a folder…"));
             let usable = !self.folder.trim().is_empty();

@@ -13,6 +13,7 @@ use crate::{
     },
     display::{DisplayProfile, Viewing},
     experiment::{Identity, Protocol, Schedule},
+    report::names::capitalized,
     store::{
         StoreError,
         dataset::free_participant,
@@ -93,7 +94,7 @@ impl SessionForm {
         let protocol = self.protocol().map_err(|error| errors.insert(EXPERIMENT, error)).ok();
         let display = self.screen.profile().map_err(|error| errors.insert(PROFILE, error)).ok();
         if let Err(error) = Identity::check_session(&self.cell.session) {
-            errors.insert(SESSION, error);
+            errors.insert(SESSION, capitalized(&error));
         }
         let identity = Identity::new(&self.cell.subject, &self.cell.session).ok();
         let results = self.results();
@@ -108,7 +109,7 @@ impl SessionForm {
         // Why none could be suggested is said at another field.
         let is_missing = self.cell.subject.is_empty() && !matches!(free, Some(Ok(_)));
         if let Some(error) = Identity::check_subject(&self.cell.subject).err().filter(|_| !is_missing) {
-            errors.insert(PARTICIPANT, error);
+            errors.insert(PARTICIPANT, capitalized(&error));
         }
         if let (Some(protocol), Some(identity)) = (&protocol, &identity) {
             match SessionStore::is_finished(&results, protocol, identity, None, Changes::Refuse) {

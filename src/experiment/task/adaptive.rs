@@ -74,6 +74,20 @@ impl Adaptive {
         [self.common.parameter.as_str()].into_iter().chain(self.second().map(|second| second.parameter.as_str()))
     }
 
+    /// Returns what a trial can show at these levels.
+    pub(in crate::experiment) fn picks(&self, levels: &[f64]) -> Vec<Pick> {
+        match &self.method {
+            Method::QuestPlus(quest) => quest.picks(levels),
+            _ => levels.iter().map(|level| Pick::Level(*level, None)).collect(),
+        }
+    }
+
+    /// Returns the parameters with the levels that were chosen.
+    pub(in crate::experiment) fn named(&self, pick: Pick) -> Vec<(&str, f64)> {
+        let Pick::Level(level, second) = pick else { return Vec::new() };
+        self.parameters().zip([level].into_iter().chain(second)).collect()
+    }
+
     /// Returns the second parameter that the method varies.
     pub fn second(&self) -> Option<&Second> {
         if let Method::QuestPlus(quest) = &self.method { quest.second.as_ref() } else { None }
@@ -198,7 +212,7 @@ impl Track {
     pub fn pick(&self, draw: f64) -> Pick {
         match self {
             Self::Stairs(.., stairs) => Pick::Level(stairs.level, None),
-            Self::Quest(options, quest) => options.picks()[quest.choose()],
+            Self::Quest(options, quest) => options.picks(&options.levels)[quest.choose()],
             Self::Levels(levels, done) => levels.get(*done).map_or(Pick::Planned, |level| Pick::Level(*level, None)),
             Self::Ranking(ranking) => Pick::Pair(ranking.choose(draw)),
         }
@@ -210,7 +224,7 @@ impl Track {
             (Self::Quest(_, quest), _) if is_catch => quest.learn(None, outcome),
             (Self::Stairs(staircase, common, stairs), _) if !is_catch => stairs.answer(outcome, staircase, common),
             (Self::Quest(options, quest), _) => {
-                let place = options.picks().iter().position(|other| *other == pick);
+                let place = options.picks(&options.levels).iter().position(|other| *other == pick);
                 place.into_iter().for_each(|place| quest.learn(Some(place), outcome));
             }
             (Self::Levels(_, done), _) if !is_catch => *done += 1,

@@ -165,7 +165,7 @@ impl Presentation {
 }
 
 /// What is known about a trial before it is shown.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Turn<'a> {
     /// The condition of the trial; for a pair without a reference, the stimulus on the left.
     pub condition: &'a Condition,
@@ -175,17 +175,15 @@ pub struct Turn<'a> {
     pub place: u32,
     /// Drawn in advance for each trial, uniform in 0…1.
     pub draw: f64,
-    /// Parameter and value that the adaptive method chose.
-    pub level: Option<(&'a str, f64)>,
-    /// Its second parameter and value.
-    pub second: Option<(&'a str, f64)>,
+    /// The parameter and the value that the adaptive method chose, and those of its second parameter.
+    pub levels: Vec<(&'a str, f64)>,
 }
 
 impl Turn<'_> {
     /// Returns the stimulus of the condition at the chosen level.
     pub fn target(&self) -> Stimulus {
-        let levels = self.level.into_iter().chain(self.second);
-        levels.fold(self.condition.stimulus.clone(), |stimulus, (name, level)| at_level(stimulus, name, level))
+        let stimulus = self.condition.stimulus.clone();
+        self.levels.iter().fold(stimulus, |stimulus, (name, level)| at_level(stimulus, name, *level))
     }
 
     /// Returns that stimulus, and the same one with the parameters of a reference.
@@ -197,7 +195,7 @@ impl Turn<'_> {
 
     /// Shows these stimuli, with the target at a place or interval counted from 1, or nowhere.
     pub fn shows(&self, stimuli: Vec<Stimulus>, target: u32) -> Presentation {
-        let level = self.level.map(|(_, level)| level);
+        let level = self.levels.first().map(|(_, level)| *level);
         Presentation { stimuli, target: Some(target), level, ..Presentation::default() }
     }
 }

@@ -137,11 +137,11 @@ impl QuestPlus {
         }
     }
 
-    /// Returns what a trial can show: each level with each of the second parameter.
-    pub(super) fn picks(&self) -> Vec<Pick> {
+    /// Returns what a trial can show at these levels: each with each of the second parameter.
+    pub(super) fn picks(&self, levels: &[f64]) -> Vec<Pick> {
         let second = |second: &Second| second.levels.iter().copied().map(Some).collect();
         let seconds: Vec<Option<f64>> = self.second.as_ref().map_or_else(|| vec![None], second);
-        self.levels.iter().flat_map(|x| seconds.iter().map(|y| Pick::Level(*x, *y))).collect()
+        levels.iter().flat_map(|x| seconds.iter().map(|y| Pick::Level(*x, *y))).collect()
     }
 
     /// Returns the levels on the scale of the method, with the distances of those of the second parameter from their middle.
@@ -152,7 +152,7 @@ impl QuestPlus {
             Pick::Level(x, y) => (common.scaled(x), y.map_or(0.0, |y| common.scaled(y) - (low + high) / 2.0)),
             _ => (f64::NAN, 0.0),
         };
-        self.picks().into_iter().map(stimulus).collect()
+        self.picks(&self.levels).into_iter().map(stimulus).collect()
     }
 
     fn grid(&self, common: &Common, guess: Option<f64>) -> Grid {

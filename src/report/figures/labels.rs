@@ -2,7 +2,7 @@
 
 use crate::{
     analysis::{
-        Model, Results,
+        Results,
         counts::{Counts, Factor},
         number_of,
     },
@@ -57,23 +57,10 @@ pub(super) fn in_sentence(results: &Results, factor: &str) -> String {
     clean(&names::factor(results, factor))
 }
 
-/// Returns a caption: it begins with a capital letter and ends with a period.
-pub(super) fn sentence(text: &str) -> String {
-    format!("{}.", names::capitalized(text))
-}
-
 /// States the size of the sample: `8 participants, 1,920 ratings`.
 pub(super) fn sample(results: &Results) -> String {
-    people_and_ratings(results.people(), results.measured.counts.total())
-}
-
-/// States the size of the sample on which the model was fitted, which has no ratings with missing values.
-pub(super) fn fitted(model: &Model) -> String {
-    people_and_ratings(model.subjects, model.nobs)
-}
-
-fn people_and_ratings(people: usize, ratings: u64) -> String {
-    format!("{}, {}", count(people as u64, "participant"), count(ratings, "rating"))
+    let (people, ratings) = (results.people() as u64, results.measured.counts.total());
+    format!("{}, {}", count(people, "participant"), count(ratings, "rating"))
 }
 
 /// Explains the error bars, and states the size of the sample.

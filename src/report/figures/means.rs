@@ -1,4 +1,4 @@
-//! Charts of means and of the model's effects. As in Figure 4 of Bangay's paper, one chart shows the means by one factor, with
+//! Charts of means. As in Figure 4 of Bangay's paper, one chart shows the means by one factor, with
 //! one line for each level of the other factor, and a second chart shows the reverse. Both exist for the measured means and for
 //! the means that the vision model predicts. Other charts show the means by direction and by participant.
 
@@ -10,11 +10,10 @@ use super::{
     labels::{self, chosen, evenly},
     palette::{GRAY, MAX_SERIES, Series, Stroke},
     svg::{Point, Svg, WIDTH},
-    tasks,
 };
 use crate::{
     analysis::{
-        Coefficient, Results,
+        Results,
         counts::Factor,
         summary::{Group, by_levels, by_levels_as, means_by_subject},
     },
@@ -115,7 +114,7 @@ fn chart(
         title += &format!(" and {by_name}");
         caption = format!("one {thing} for each level of {by_name}{some}; ");
     }
-    let caption = labels::sentence(&format!("{caption}{source}"));
+    let caption = names::capitalized(&format!("{caption}{source}."));
     let heading = by.map(|by| names::heading(results, &by.name)).unwrap_or_default();
     let series: Vec<(Series, &str)> = lines.iter().map(|line| (line.series, line.name.as_str())).collect();
     let values = Values::ratings(&results.measured.counts);
@@ -181,14 +180,11 @@ pub(super) fn participants(results: &Results) -> Option<Figure> {
     let title = format!("{WHAT} of every participant by {name}");
     let some = labels::some_of(shown.len(), results.people());
     let caption =
-        format!("Each gray line is one participant{some}, and the thick line is the mean over participants; {sample}.");
+        format!("Each gray line is one participant{some}, and markers are means over participants; {sample}.");
     let (values, levels) = (Values::ratings(counts), Levels::of(by));
     let panel = values.panel(values.margin(), WIDTH - EDGE, EDGE, PANEL);
     let people = shown.len() as f64;
-    let thin = Stroke {
-        opacity: (12.0 / people).clamp(0.25, 0.75),
-        ..Stroke::new(GRAY, if people > 40.0 { 1.4 } else { 2.0 })
-    };
+    let thin = Stroke { opacity: (12.0 / people).clamp(0.25, 0.75), ..Stroke::new(GRAY, 2.0) };
     let points = |means: &[Option<f64>]| -> Vec<Option<Point>> {
         levels.at.iter().zip(means).map(|(&at, mean)| mean.map(|mean| (panel.x(at), panel.y(mean)))).collect()
     };
@@ -205,25 +201,4 @@ pub(super) fn participants(results: &Results) -> Option<Figure> {
         let means = by.levels.iter().map(mean).collect();
         draw(svg, &panel, &levels, &[Line { name: String::new(), series: Series::only(), means }], [&name, ""]);
     }))
-}
-
-/// Maximum number of coefficients in a chart.
-const MAX_SHOWN: usize = 60;
-
-/// Draws `effects`, if there is a model with coefficients.
-pub(super) fn effects(results: &Results) -> Option<Figure> {
-    let model = &results.model.as_ref().ok()?.model;
-    let finite = model.coefficients.iter().filter(|own| own.estimate.is_finite());
-    let shown: Vec<&Coefficient> = finite.take(MAX_SHOWN).collect();
-    let estimates = shown.iter().map(|own| Some((own.estimate, own.interval))).collect();
-    let names = shown.iter().map(|own| names::coefficient(results, &own.parts)).collect::<Vec<_>>();
-    let caption = format!(
-        "Coefficients of the cumulative-link {}model, with 95\u{a0}% intervals{}. Positive values mean higher ratings than at the \
-         factor’s baseline, the level without a coefficient, or with a larger number; {}.",
-        if model.random.is_some() { "mixed " } else { "" },
-        labels::some_of(shown.len(), model.coefficients.len()),
-        labels::fitted(model)
-    );
-    let title = format!("Effects in the {} model", model.link);
-    tasks::estimates("effects", &names, &[(String::new(), estimates)], (&title, "Shift of the ratings", caption))
 }

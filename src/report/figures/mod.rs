@@ -10,6 +10,7 @@ mod figure;
 mod labels;
 mod means;
 pub mod palette;
+mod stimulus;
 mod svg;
 pub(super) mod tasks;
 
@@ -20,6 +21,7 @@ use crate::analysis::Results;
 pub use display::{calibration, intervals};
 pub use figure::{Figure, Pixels};
 pub use means::predicted;
+pub use stimulus::stimulus;
 pub use svg::Plotted;
 
 /// Draws every chart for which there are data, in report order.
@@ -29,7 +31,7 @@ pub fn all(results: &Results) -> Vec<Figure> {
         |results| answers::proportions(results).into_iter().collect(),
         |results| means::participants(results).into_iter().collect(),
         |results| means::orientation(results).into_iter().collect(),
-        |results| means::effects(results).into_iter().collect(),
+        |results| tasks::effects(results).into_iter().collect(),
     ];
     kinds.par_iter().flat_map_iter(|kind| kind(results)).collect()
 }

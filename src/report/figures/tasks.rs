@@ -1,14 +1,18 @@
-//! Charts of a task: psychometric functions and thresholds.
+//! Charts of estimates: a task's psychometric functions and thresholds, and the effects in a model of ratings.
 
 use super::{
     axes::{EDGE, MARKER, PANEL, Values, below, beside, legend, number_axis, told},
     figure::Figure,
-    labels::TEXT,
+    labels::{TEXT, some_of},
     means::{Line, draw},
     palette::Series,
     svg::WIDTH,
 };
-use crate::statistics::Interval;
+use crate::{
+    analysis::{Coefficient, Results},
+    report::{document::count, names},
+    statistics::Interval,
+};
 
 /// The proportions of correct answers in a condition, and its psychometric function.
 pub(crate) struct Curve {
@@ -84,4 +88,25 @@ pub(crate) fn estimates(
         draw(svg, &panel, &levels, &lines, ["", ""]);
         legend(svg, &panel, "", &names, false);
     }))
+}
+
+/// Maximum number of coefficients in a chart.
+const MAX_SHOWN: usize = 60;
+
+/// Draws `effects`, if there is a model with coefficients.
+pub(super) fn effects(results: &Results) -> Option<Figure> {
+    let model = &results.model.as_ref().ok()?.model;
+    let finite = model.coefficients.iter().filter(|own| own.estimate.is_finite());
+    let shown: Vec<&Coefficient> = finite.take(MAX_SHOWN).collect();
+    let effects = shown.iter().map(|own| Some((own.estimate, own.interval))).collect();
+    let names = shown.iter().map(|own| names::coefficient(results, &own.parts)).collect::<Vec<_>>();
+    let caption = format!(
+        "Coefficients of the cumulative-link {}model{}; bars are 95\u{a0}% intervals, where there are any. Positive values mean \
+         higher ratings than at the factor’s baseline, the level without a coefficient, or with a larger number; {}.",
+        if model.random.is_some() { "mixed " } else { "" },
+        some_of(shown.len(), model.coefficients.len()),
+        count(model.nobs, "rating")
+    );
+    let title = format!("Effects in the {} model", model.link);
+    estimates("effects", &names, &[(String::new(), effects)], (&title, "Shift of the ratings", caption))
 }

@@ -23,7 +23,7 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
         "A mean rating treats the categories as equally spaced, which is an assumption. It is descriptive only; the model \
          does not use it. In every mean, each participant counts equally, and so does each condition. {intervals}"
     ));
-    section.figures(figures, &["figure4a", "figure4b", "proportions", "subjects", "orientation"]);
+    section.figures(figures, &["stimulus", "figure4a", "figure4b", "proportions", "subjects", "orientation"]);
     for factor in &results.factors {
         let name = names::factor(results, &factor.name);
         let levels = factor.levels.iter().zip(factor.times.iter().copied());
@@ -87,10 +87,9 @@ pub(super) fn agreement(results: &Results) -> Section {
                 },
             ));
         }
-        None if results.is_inferential() => section.text(
-            "Fewer than two conditions were rated by two participants, or all ratings are the same: agreement cannot be computed.",
+        None => section.text(
+            "Agreement between participants needs two conditions that two participants rated, and ratings that differ.",
         ),
-        None => section.text("Agreement between participants requires at least two participants."),
     }
     section.heading("Within participants");
     let Some((kappa, interval)) = results.kappa else {
@@ -102,15 +101,10 @@ pub(super) fn agreement(results: &Results) -> Section {
     };
     section.text(format!(
         "Cohen’s κ with quadratic weights compares a participant’s first and second rating of a condition. {} {}{}. 1 is \
-         perfect agreement, and 0 is agreement by chance.",
+         perfect agreement, and 0 is agreement by chance. That of each participant is in subjects.csv.",
         if results.is_inferential() { "Its mean over participants is" } else { "It is" },
         unit(kappa),
         with_interval(interval, unit),
     ));
-    TableOf::new("First and second ratings of each participant", &results.subjects)
-        .text("Participant", names::participant)
-        .number("Conditions rated twice", |subject| whole(subject.retests))
-        .number("Weighted κ", |subject| unit(subject.kappa))
-        .add_to(&mut section);
     section
 }

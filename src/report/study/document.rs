@@ -188,7 +188,7 @@ pub fn document(source: &Source, results: &Results, parts: Parts<'_>) -> Documen
     ];
     sections.extend(prediction.map(|prediction| vision::section(source, results, prediction, figures)));
     sections.extend([methods, references]);
-    sections.extend(provenance.map(|provenance| provenance::section(source, results, provenance)));
+    sections.extend(provenance.map(|provenance| provenance::section(source, provenance)));
     let (title, subtitle) = match &source.protocol {
         Some(protocol) => {
             let title = if protocol.title.trim().is_empty() { &protocol.name } else { &protocol.title };

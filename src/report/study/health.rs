@@ -12,10 +12,10 @@ use crate::{
         counts::{Excluded, Part},
     },
     display::Monitor,
-    report::document::{Section, Shown, TableOf, count, fixed, list, whole},
+    report::document::{Section, Shown, TableOf, count, list, whole},
     store::{
         ratings::{FileRead, Reason, SessionRead, Source},
-        sidecar::Sitting,
+        sidecar::{SimulatedObserver, Sitting},
     },
 };
 
@@ -28,8 +28,7 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
         ("Excluded: practice", sum(|file| file.practice)),
         ("Excluded: corrected ratings", sum(|file| file.superseded)),
         ("Excluded: rows with errors", sum(|file| file.erroneous)),
-        ("Rows used", sum(|file| file.counted)),
-        ("Ratings in these rows", sum(|file| file.ratings)),
+        ("Ratings read", sum(|file| file.ratings)),
         ("Ratings analyzed", whole(results.measured.counts.total())),
     ];
     section.facts("Rows read and excluded", facts);
@@ -47,21 +46,11 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
         section.text("No errors were found in the files.");
     }
     section.problems(&source.errors, &source.warnings);
-    let analyzed: Vec<&SessionRead> = sessions(source, results).collect();
-    if !analyzed.is_empty() {
-        section.heading("Sessions");
-        TableOf::new("Sessions: trials planned and rated", &analyzed)
-            .text("Participant", |session| &session.subject)
-            .text("Session", |session| &session.session)
-            .text("Ratings by", |session| match session.sidecar {
-                None => "not known",
-                Some(_) if is_simulated(session) => "a program",
-                Some(_) => "a person",
-            })
-            .number("Planned", |session| fixed(session.planned.map(|n| n as f64), 0))
-            .number("Rated", |session| whole(session.rated))
-            .add_to(&mut section);
-    }
+    let unfinished = sessions(source, results).filter(|session| session.is_unfinished()).map(|session| {
+        let planned = count(session.planned.unwrap_or_default(), "planned trial");
+        format!("{}, session {}: {} of {planned} are rated.", session.subject, session.session, session.rated)
+    });
+    section.list(unfinished.collect());
     if all_sittings(source, results).next().is_some() {
         screens(&mut section, source, results);
     }
@@ -94,7 +83,7 @@ fn screens(section: &mut Section, source: &Source, results: &Results) {
         }
         for (name, value) in [
             ("program", json!(sitting.program)),
-            ("observer", json!(sitting.observer)),
+            ("observer", json!(sitting.observer.as_ref().map(SimulatedObserver::name))),
             ("display profile", json!(sitting.display)),
             ("monitor", json!(sitting.monitor.as_ref().map(Monitor::title))),
             ("viewing distance", json!(sitting.viewing.as_ref().map(|viewing| viewing.distance_cm))),

@@ -72,11 +72,8 @@ fn between_people(section: &mut Section, results: &Results, model: &Model, rando
     rows.extend(random.slopes.iter().map(|slope| of(names::slope(results, model, slope), slope)));
     let of_items = |items: &RandomSlope| of(format!("Intercept of {}", names::factor(results, &items.name)), items);
     rows.extend(random.items.as_ref().map(of_items));
-    let caption = if random.items.is_some() {
-        "Standard deviations between participants and between items, on the latent scale"
-    } else {
-        "Standard deviations between participants, on the latent scale"
-    };
+    let items = if random.items.is_some() { " and between items" } else { "" };
+    let caption = format!("Standard deviations between participants{items}, on the latent scale");
     TableOf::new(caption, &rows)
         .text("Of", |(name, ..)| name)
         .number("SD", |(_, sd, se, _)| fixed(*sd, decimals(*sd, *se)))
@@ -91,14 +88,6 @@ fn between_people(section: &mut Section, results: &Results, model: &Model, rando
             unit(share),
             with_interval(interval, unit)
         ));
-    }
-    if let Some(correlations) = &random.correlations {
-        let slopes: Vec<String> = random.slopes.iter().map(|slope| names::slope(results, model, slope)).collect();
-        let names: Vec<&str> = std::iter::once("Intercept").chain(slopes.iter().map(String::as_str)).collect();
-        let rows: Vec<(&&str, &Vec<f64>)> = names.iter().zip(correlations).collect();
-        let table = TableOf::new("Correlations of the random effects", &rows).text("Of", |(name, _)| **name);
-        let columns = names.iter().enumerate();
-        columns.fold(table, |table, (place, name)| table.number(*name, |(_, row)| unit(row[place]))).add_to(section);
     }
 }
 
@@ -234,16 +223,13 @@ fn coefficients(section: &mut Section, results: &Results, model: &Model) {
         section.text("The model has no terms, so it describes all ratings in the same way.");
         return;
     }
-    section.text(match model.link {
-        Link::Logit => {
-            "A level’s coefficient is its shift relative to the factor’s baseline, the level without a coefficient. An odds ratio \
-             above 1 means that higher ratings are more likely."
+    section.text(format!(
+        "A level’s coefficient is its shift relative to the factor’s baseline, the level without a coefficient. {}",
+        match model.link {
+            Link::Logit => "An odds ratio above 1 means that higher ratings are more likely.",
+            Link::Probit => "One unit is a standard deviation of the latent ratings.",
         }
-        Link::Probit => {
-            "A level’s coefficient is its shift relative to the factor’s baseline, the level without a coefficient. One unit is a \
-             standard deviation of the latent ratings."
-        }
-    });
+    ));
     let of = |c: &Coefficient| {
         let is_of_number = c.parts.iter().any(|part| part.level.is_none());
         if is_of_number { decimals(c.estimate, c.se) } else { 3 }
@@ -282,10 +268,10 @@ fn tests(section: &mut Section, results: &Results, report: &ModelReport) {
     let same = if report.model.random.is_some() { " with the same random effects" } else { "" };
     section.heading("Tests");
     section.text(format!(
-        "A small p means that ratings like these would be rare without what is tested. An effect is tested against a model \
+        "A small p means that ratings like these would be rare if there were no such effect. An effect is tested against a model \
          without the term{same}.{} Interactions that the model leaves out are tested because, in the model, the effect of each factor \
-         is the same at every level of the other. The corrected p allows for the number of \
-         tests of the same kind. Methods says where p values come from.",
+         is the same at every level of the other. The corrected p allows for the number of tests of the same kind. Methods says \
+         where p values come from.",
         if_interacting(
             results,
             " For a main effect that is part of an interaction, its mean over the levels of the other factor is tested \

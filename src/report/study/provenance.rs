@@ -3,7 +3,6 @@
 use jiff::Timestamp;
 
 use crate::{
-    analysis::Results,
     experiment::Protocol,
     report::document::{Section, TableOf, whole},
     store::ratings::Source,
@@ -24,8 +23,8 @@ impl Provenance {
         Self { command: command.into(), made_at }
     }
 
-    /// Says how to repeat an analysis, and how its page was created; `further` are other facts.
-    pub fn tell(&self, section: &mut Section, further: impl IntoIterator<Item = (&'static str, String)>) {
+    /// Says how to repeat an analysis, and how its page was created.
+    pub fn tell(&self, section: &mut Section) {
         section.text("The same program, command and files produce the same numbers on every machine.");
         section.code(self.command.clone());
         let facts = [
@@ -33,7 +32,7 @@ impl Provenance {
             ("Commit", env!("MACHBAND_COMMIT").to_owned()),
             ("Created at", self.made_at.strftime("%Y-%m-%d %H:%M:%S UTC").to_string()),
         ];
-        section.facts("How this page was created", facts.into_iter().chain(further));
+        section.facts("How this page was created", facts);
     }
 }
 
@@ -44,14 +43,9 @@ pub fn shell_command(arguments: impl IntoIterator<Item = String>) -> String {
     shlex::try_join(command.iter().map(String::as_str)).unwrap_or_default()
 }
 
-pub(super) fn section(source: &Source, results: &Results, provenance: &Provenance) -> Section {
+pub(super) fn section(source: &Source, provenance: &Provenance) -> Section {
     let mut section = Section::new("repeat", "Repeat this analysis");
-    let resampling = results.options.resampling;
-    let further = [
-        ("Seed of the simulated studies", resampling.seed.to_string()),
-        ("Simulated studies, at most", whole(resampling.draws.into()).to_string()),
-    ];
-    provenance.tell(&mut section, further);
+    provenance.tell(&mut section);
     TableOf::new("Files", &source.files)
         .text("File", |file| file.path.display().to_string())
         .text("SHA-256", |file| file.sha256.as_deref().unwrap_or("not computed"))

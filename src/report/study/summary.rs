@@ -135,8 +135,8 @@ fn cautions(source: &Source, results: &Results) -> Vec<String> {
     let mut cautions = Vec::new();
     cautions.extend(simulated(source, results));
     cautions.extend((results.people() == 1).then(|| ONE_PARTICIPANT.to_owned()));
-    cautions.extend(problems(&source.errors, "error", source.files.iter().map(|file| file.erroneous).sum()));
-    cautions.extend(problems(&source.warnings, "warning", 0));
+    cautions.extend(problems(&source.errors, "error"));
+    cautions.extend(problems(&source.warnings, "warning"));
     cautions.extend(nothing_found(results));
     cautions.extend(about_model(results));
     cautions.extend(unusual_behavior(results));
@@ -170,15 +170,10 @@ fn simulated(source: &Source, results: &Results) -> Option<String> {
 const ONE_PARTICIPANT: &str = "There is only one participant: tests and intervals are about this participant’s repeated trials and say \
      nothing about other people. “machband plan” estimates how many participants a statement about people needs.";
 
-fn problems(problems: &[FileError], what: &str, excluded: u64) -> Option<String> {
+fn problems(problems: &[FileError], what: &str) -> Option<String> {
     let files: BTreeSet<&str> = problems.iter().map(|problem| problem.file.as_str()).collect();
     let (messages, files) = (count(problems.len() as u64, what), count(files.len() as u64, "file"));
-    let excluded = match excluded {
-        0 => String::new(),
-        1 => ", and 1 row is excluded".to_owned(),
-        rows => format!(", and {rows} rows are excluded"),
-    };
-    (!problems.is_empty()).then(|| format!("The input has {messages} in {files}{excluded}; see “Data quality”."))
+    (!problems.is_empty()).then(|| format!("The input has {messages} in {files}; see “Data quality”."))
 }
 
 /// Warns that a missing effect proves nothing: absence of evidence is not evidence of absence.

@@ -42,7 +42,13 @@ pub(super) fn section(
         }
     ));
     section.figures(figures, &["figure4a", "figure4a_predicted", "figure4b", "figure4b_predicted"]);
-    section.text(order(&prediction.comparison));
+    let Comparison { conditions, ratings, rank_correlation, .. } = prediction.comparison;
+    section.text(format!(
+        "Across {} and {}, the rank correlation between the prediction and the mean rating (Spearman) is {}.",
+        count(conditions as u64, "condition"),
+        count(ratings, "rating"),
+        unit(rank_correlation)
+    ));
     let is_circular = health::all_sittings(source, results)
         .any(|(_, sitting)| matches!(sitting.observer, Some(SimulatedObserver::Vision { .. })));
     if is_circular {
@@ -51,17 +57,4 @@ pub(super) fn section(
         );
     }
     section
-}
-
-fn order(comparison: &Comparison) -> String {
-    let Some(rho) = comparison.rank_correlation else {
-        return "All conditions have the same prediction or the same rating, so there is no order to compare."
-            .to_owned();
-    };
-    format!(
-        "Across {} and {}, the rank correlation between the prediction and the mean rating (Spearman) is {}.",
-        count(comparison.conditions as u64, "condition"),
-        count(comparison.ratings, "rating"),
-        unit(rho)
-    )
 }

@@ -29,11 +29,11 @@ pub fn document(
     figures: &[Figure],
     provenance: Option<&Provenance>,
 ) -> Document {
-    let mut sections = vec![summary(study, results), data(study)];
+    let mut sections = vec![summary(study, results), data(study, figures)];
     sections.extend(thresholds(study, results, figures));
     sections.extend(further::sections(study, results, figures));
     sections.push(methods(study, results));
-    sections.extend(provenance.map(|provenance| repeat(study, results, provenance)));
+    sections.extend(provenance.map(|provenance| repeat(study, provenance)));
     let Asked { title, task, protocol, .. } = &study.asked;
     let subtitle = match protocol {
         Some(protocol) => format!("Experiment {}: {task}", protocol.name),
@@ -56,12 +56,9 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
         section.warning(format!("Not complete: {}.", count(study.unfinished as u64, "session")));
     }
     if study.simulated > 0 {
-        let simulated = |what: &str| count(study.simulated as u64, what);
-        let place = match study.asked.protocol {
-            Some(_) => format!("in {}", simulated("session")),
-            None => format!("for {}", simulated("participant")),
-        };
-        section.warning(format!("These data are simulated: a program gave the answers {place}."));
+        let whose = if study.asked.protocol.is_some() { "session" } else { "participant" };
+        let whose = count(study.simulated as u64, whose);
+        section.warning(format!("These data are simulated: a program gave the answers of {whose}."));
     }
     if !study.excluded.is_empty() {
         section.text(format!("Left out on request: {}.", list(&study.excluded)));
@@ -87,9 +84,6 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
     if results.populations.is_empty() && results.beyond.is_empty() {
         let of_person = |function: &PersonFunction| {
             let (who, of) = (&study.people[function.person], study.at(function.condition));
-            if let Err(error) = &function.fit {
-                return Some(format!("{who}: there is no threshold of {name}{of}: {error}."));
-            }
             let fit = function.described()?;
             let level = level(common, Some(fit.threshold));
             let interval = with_interval(Some(fit.threshold), &level);
@@ -138,7 +132,7 @@ fn end(common: &Common, place: Beyond) -> String {
     }
 }
 
-fn data(study: &TaskStudy) -> Section {
+fn data(study: &TaskStudy, figures: &[Figure]) -> Section {
     let mut section = Section::new("data", "Data");
     let asked = &study.asked;
     let mut facts = vec![("Task", asked.task.clone())];
@@ -153,6 +147,7 @@ fn data(study: &TaskStudy) -> Section {
         facts.push(("Levels", format!("{name} from {low} to {high}{by}")));
     }
     section.facts("What was asked and answered", facts);
+    section.figures(figures, &["stimulus"]);
     section.problems(&study.errors, &study.warnings);
     section
 }
@@ -246,6 +241,13 @@ fn doubts(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
             short_list(&beyond, 12)
         ));
     }
+    let steep = told(&|function| function.described().is_some_and(|fit| fit.is_steep));
+    if !steep.is_empty() {
+        section.note(format!(
+            "These functions rise between two or three neighboring levels, so their slopes may be above the intervals: {}.",
+            short_list(&steep, 12)
+        ));
+    }
     for (condition, population) in &results.populations {
         let [low, high] = population.range;
         let what = match population.interval {
@@ -287,12 +289,6 @@ fn methods(study: &TaskStudy, results: &TaskResults) -> Section {
     }
     if !results.differences.is_empty() {
         section.text(MODEL_OF_DIFFERENCES);
-    }
-    if results.differences.len() > 1 {
-        section.text(
-            "This report says that two conditions differ if p of the t test of their difference, with Holm’s correction for all pairs of conditions, is below \
-             .05. The intervals are not corrected.",
-        );
     }
     section
 }
@@ -339,9 +335,9 @@ fn model_of_a_person(model: &Model) -> String {
     )
 }
 
-fn repeat(study: &TaskStudy, results: &TaskResults, provenance: &Provenance) -> Section {
+fn repeat(study: &TaskStudy, provenance: &Provenance) -> Section {
     let mut section = Section::new("repeat", "Repeat this analysis");
-    provenance.tell(&mut section, [("Seed of the simulated studies", results.seed.to_string())]);
+    provenance.tell(&mut section);
     TableOf::new("Files", &study.files)
         .text("File", |(path, _)| path.display().to_string())
         .number("Rows", |(_, rows)| whole(*rows as u64))

@@ -37,7 +37,6 @@ pub(super) fn summary(study: &TaskStudy, results: &TaskResults) -> Vec<String> {
         let settings = means(study, &results.settings, Some(scaled_ends(dial)), |own| Some(own.mean), format);
         let of_setting = |(at, mean)| format!("The {kind} {what}{at} is {mean}.");
         all.extend(settings.into_iter().map(of_setting));
-        all.extend(direction(results, dial));
     }
     all
 }
@@ -141,32 +140,16 @@ fn order(study: &TaskStudy, found: &Comparisons) -> Vec<String> {
     all
 }
 
-/// Says whether settings depend on where they began: one value of each person.
-fn direction(results: &TaskResults, dial: &Dial) -> Option<String> {
-    let people = results.settings.iter().map(|own| own.person).max()? + 1;
-    let of_person = |person: usize| {
-        let own = results.settings.iter().filter(|own| own.person == person);
-        over_people(&own.filter_map(|own| own.found.direction).collect::<Vec<_>>(), None).map(|own| own.mean)
-    };
-    let found = over_people(&(0..people).filter_map(of_person).collect::<Vec<_>>(), None)?;
-    let interval = found.interval?;
-    let format = scaled(dial.log, Some(interval));
-    let value = format!("{}{}", format(found.mean), with_interval(Some(interval), &format));
-    let clear = interval.low > 0.0 || interval.high < 0.0;
-    let verdict = if clear { "so the start matters" } else { "so it is not clear that the start matters" };
-    let that_began = "settings that began in the upper half of the range";
-    let (kind, and) = if dial.log { ("ratio of", "to") } else { ("difference between", "and") };
-    Some(format!("The {kind} {that_began} {and} other settings is {value} on average, {verdict}."))
-}
-
 /// Returns the sections for which there are data.
 pub(super) fn sections(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> Vec<Section> {
-    let answered = (!results.shares.is_empty()).then(|| shares(study, results));
-    let detected = (!results.detection.is_empty()).then(|| detection(study, results));
-    let compared = results.comparisons.as_ref().map(|found| comparisons(study, found, figures));
-    let set = study.asked.dial.as_ref().filter(|_| !results.settings.is_empty());
-    let set = set.map(|dial| settings(study, results, dial));
-    answered.into_iter().chain(detected).chain(compared).chain(set).collect()
+    let dial = study.asked.dial.as_ref().filter(|_| !results.settings.is_empty());
+    let all = [
+        (!results.shares.is_empty()).then(|| shares(study, results)),
+        (!results.detection.is_empty()).then(|| detection(study, results)),
+        results.comparisons.as_ref().map(|found| comparisons(study, found, figures)),
+        dial.map(|dial| settings(study, results, dial)),
+    ];
+    all.into_iter().flatten().collect()
 }
 
 /// Begins a table of the participants and the conditions.
@@ -276,7 +259,6 @@ fn settings(study: &TaskStudy, results: &TaskResults, dial: &Dial) -> Section {
         section
             .note("Means are geometric; the standard deviation and the effect of the start are in base-10 logarithms.");
     }
-    let all = count(study.trials.len() as u64, if is_rating { "rating" } else { "setting" });
-    section.note(format!("There are {all}. Each participant counts once in the means over participants."));
+    section.note("Each participant counts once in the means over participants.");
     section
 }

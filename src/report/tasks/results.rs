@@ -23,8 +23,6 @@ use crate::{
 /// The results of a task.
 #[derive(Clone, Debug, Default)]
 pub struct TaskResults {
-    /// The seed of simulated studies.
-    pub seed: u64,
     /// The psychometric functions of each person and condition.
     pub functions: Vec<PersonFunction>,
     /// The thresholds of people, by condition.
@@ -150,7 +148,6 @@ impl TaskResults {
     /// Analyzes a study. `seed` is that of simulated studies.
     pub fn of(study: &TaskStudy, seed: u64) -> Self {
         let mut results = Self {
-            seed,
             shares: shares(study),
             detection: detection(study),
             comparisons: comparisons(study, seed),

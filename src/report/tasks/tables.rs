@@ -79,7 +79,8 @@ fn scaled(common: &Common, Interval { low, high }: Interval) -> Interval {
 fn thresholds(study: &TaskStudy, results: &TaskResults, common: &Common) -> Table {
     const THRESHOLD: &str = "Level with F = 1/2; empty if the most probable one lies outside the interval and, with the \
                              values up to `lapse`, if no function describes the answers.";
-    const SLOPE: &str = "Slope of the psychometric function at the threshold; empty if the most probable one lies outside the interval.";
+    const SLOPE: &str = "Slope of the psychometric function at the threshold; empty if the most probable one lies outside the interval. Both are \
+                         too low if the function rises between two neighboring levels.";
     const OVERDISPERSION: &str = "By how much blocks of trials vary more than binomially, 0 to 1; 0 for single trials.";
     const BEYOND: &str = "1 if the most probable threshold lies beyond the levels, where only the prior places it.";
     let rows: Vec<(&PersonFunction, Option<&Fit>)> =

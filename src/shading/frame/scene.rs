@@ -130,7 +130,9 @@ impl Scene {
             shininess: self.shininess,
             specular_model: self.highlight.model(self.shininess, self.mirrors),
         };
-        let lamp = Lamp { position: LampPosition::Direction(direction(self.light)), intensity: DVec3::ONE };
+        // Whatever its length.
+        let toward = (self.light / self.light.abs().max_element()).normalize_or(DVec3::Z);
+        let lamp = Lamp { position: LampPosition::Direction(toward), intensity: DVec3::ONE };
         Lighting { material, ambient: DVec3::ONE, lamps: vec![lamp] }
     }
 
@@ -143,9 +145,4 @@ impl Scene {
     pub fn frame(&self, surface: &Surface, width: u32, height: u32) -> Frame {
         Frame::new(surface, &self.view(width, height), &self.lighting(), self.color * self.background)
     }
-}
-
-/// Returns the unit vector along `v`, however long or short `v` is; the vector toward the eye if `v` has no direction.
-fn direction(v: DVec3) -> DVec3 {
-    (v / v.abs().max_element()).normalize_or(DVec3::Z)
 }

@@ -41,7 +41,10 @@ fn kernel<'f>(frame: &'f Frame, shade: &Shade) -> Kernel<'f> {
             let patches = Patches::new(frame, Field::Light);
             return Box::new(move |triangle, w, _| patches.value(triangle, w));
         }
-        Shader::C1Phong => return c1_phong(frame),
+        Shader::C1Phong => {
+            let light = c1_phong(frame);
+            return Box::new(move |triangle, w, _| light(triangle, w));
+        }
         Shader::Gouraud => return Box::new(|_, _, gouraud| gouraud),
         Shader::Fixed => Slope::Fixed,
         Shader::Gradient => Slope::Printed,

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Kernel, interpolated::weighted};
+use super::interpolated::weighted;
 use crate::shading::{
     frame::{Field, Frame, FrameVertex, Patches},
     mesh::{Coat, PaintedCorner},
@@ -62,12 +62,12 @@ pub fn phong(frame: &Frame, triangle: usize, w: [f64; 3]) -> DVec3 {
 /// The line of sight through a pixel is known exactly, so the direction to the eye is smooth. The position on it
 /// matters only if a lamp is near. It then comes from a cubic of z, because the depths of flat triangles bend at their
 /// edges.
-pub fn c1_phong(frame: &Frame) -> Kernel<'_> {
+pub fn c1_phong(frame: &Frame) -> impl Fn(usize, [f64; 3]) -> DVec3 + Send + Sync + '_ {
     let places = frame.lighting.has_near_lamps().then(|| Patches::new(frame, Field::Position));
     let normals = Patches::new(frame, Field::Normal);
     // Where the line of sight to each vertex meets the plane z = 0.
     let sights: Vec<DVec3> = frame.vertices.iter().map(|v| frame.view.sight(v.screen).extend(0.0)).collect();
-    Box::new(move |triangle, w, _| {
+    move |triangle, w| {
         let normal = normals.value(triangle, w).normalize_or_zero();
         let mut place = weighted(w, frame.triangles[triangle].vertices.map(|v| sights[v as usize]));
         let to_viewer = frame.view.to_viewer(place);
@@ -78,5 +78,5 @@ pub fn c1_phong(frame: &Frame) -> Kernel<'_> {
             (place.x, place.y) = (place.x * nearer, place.y * nearer);
         }
         frame.pixel(triangle, w, place, normal, to_viewer)
-    })
+    }
 }

@@ -33,24 +33,16 @@ pub struct Picture {
     pub transfers: Transfers,
     /// The luminance of full red, green and blue relative to white.
     pub weights: [f64; 3],
-    /// Where the meaning of the codes comes from.
-    pub origin: Origin,
+    /// Where the meaning of the codes comes from, in words.
+    pub origin: &'static str,
     /// The number of bits of a code in the file.
     pub bits: u32,
     /// The number of those that mean something, as far as the file says.
     pub significant_bits: u32,
 }
 
-/// Where the meaning of a picture's codes comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Origin {
-    /// The user said it.
-    Given,
-    /// The file says it, in this chunk or these.
-    Chunk(&'static str),
-    /// Nobody says it: sRGB is assumed.
-    Assumed,
-}
+/// Nobody says what codes mean.
+pub const ASSUMED: &str = "sRGB is assumed, because nothing says what the codes mean";
 
 impl Picture {
     /// Returns the luminance of full red, green and blue of sRGB.
@@ -67,7 +59,7 @@ impl Picture {
     pub fn given(codes: CodeImage, transfers: Transfers) -> Picture {
         let bits = codes.bits();
         let weights = Picture::srgb_weights();
-        Picture { codes, transfers, weights, origin: Origin::Given, bits, significant_bits: bits }
+        Picture { codes, transfers, weights, origin: "as asked", bits, significant_bits: bits }
     }
 }
 
@@ -118,21 +110,17 @@ pub fn parse_picture(
 
 /// Refuses a file with a chunk about its codes that could not be read: what is damaged is not absent.
 fn undamaged(content: &[u8], info: &Info<'_>) -> Result<(), String> {
-    for (kind, _) in chunks(content) {
-        let is_read = match kind {
-            b"iCCP" => info.icc_profile.is_some(),
-            b"sRGB" => info.srgb.is_some(),
-            b"gAMA" => info.gama_chunk.is_some(),
-            b"cHRM" => info.chrm_chunk.is_some(),
-            b"cICP" => info.coding_independent_code_points.is_some(),
-            _ => true,
-        };
-        if !is_read {
-            let name = String::from_utf8_lossy(kind);
-            return Err(format!("has a damaged {name} chunk; expected what its codes mean, or --transfer"));
-        }
-    }
-    Ok(())
+    let known = [
+        ("iCCP", info.icc_profile.is_some()),
+        ("sRGB", info.srgb.is_some()),
+        ("gAMA", info.gama_chunk.is_some()),
+        ("cHRM", info.chrm_chunk.is_some()),
+        ("cICP", info.coding_independent_code_points.is_some()),
+    ];
+    let is_there = |name: &str| chunks(content).any(|(kind, _)| kind == name.as_bytes());
+    known.into_iter().find(|(name, is_read)| !is_read && is_there(name)).map_or(Ok(()), |(name, _)| {
+        Err(format!("has a damaged {name} chunk; expected what its codes mean, or --transfer"))
+    })
 }
 
 /// Returns the name and the data of each chunk of a PNG.
@@ -161,7 +149,7 @@ fn orientation(exif: &[u8]) -> Option<usize> {
 }
 
 /// Returns what a file says about its codes.
-fn declared(info: &Info<'_>) -> Result<(Transfers, [f64; 3], Origin), String> {
+fn declared(info: &Info<'_>) -> Result<(Transfers, [f64; 3], &'static str), String> {
     let srgb = Picture::srgb_weights();
     if let Some(points) = info.coding_independent_code_points {
         return Err(format!(
@@ -172,18 +160,17 @@ fn declared(info: &Info<'_>) -> Result<(Transfers, [f64; 3], Origin), String> {
     if let Some(profile) = &info.icc_profile {
         let is_gray = matches!(info.color_type, ColorType::Grayscale | ColorType::GrayscaleAlpha);
         let (transfers, weights) = of_profile(profile, is_gray)?;
-        return Ok((transfers, weights, Origin::Chunk("iCCP chunk")));
+        return Ok((transfers, weights, "by the file's iCCP chunk"));
     }
     if info.srgb.is_some() {
-        return Ok((Transfer::Srgb.into(), srgb, Origin::Chunk("sRGB chunk")));
+        return Ok((Transfer::Srgb.into(), srgb, "by the file's sRGB chunk"));
     }
     let primaries = info.chrm_chunk.map(of_primaries).transpose()?;
     // What is sRGB's but for rounding is sRGB's.
     let own = primaries.filter(|own| !Picture::are_alike(*own, srgb));
     let weights = own.unwrap_or(srgb);
     let Some(gamma) = info.gama_chunk else {
-        let origin =
-            if primaries.is_some() { Origin::Chunk("cHRM chunk (with sRGB's curve)") } else { Origin::Assumed };
+        let origin = if primaries.is_some() { "by the file's cHRM chunk (with sRGB's curve)" } else { ASSUMED };
         return Ok((Transfer::Srgb.into(), weights, origin));
     };
     let transfer = match gamma.into_scaled() {
@@ -191,7 +178,7 @@ fn declared(info: &Info<'_>) -> Result<(Transfers, [f64; 3], Origin), String> {
         scaled => Transfer::gamma(100_000.0 / f64::from(scaled))
             .map_err(|error| format!("has a gAMA chunk of {scaled}: {error}"))?,
     };
-    let origin = Origin::Chunk(if own.is_some() { "gAMA and cHRM chunks" } else { "gAMA chunk" });
+    let origin = if own.is_some() { "by the file's gAMA and cHRM chunks" } else { "by the file's gAMA chunk" };
     Ok((transfer.into(), weights, origin))
 }
 

@@ -36,9 +36,6 @@ pub(super) fn decode(
     accept: impl Fn(&Info<'_>) -> Result<u32, String>,
 ) -> Result<(CodeImage, Info<'static>), StoreError> {
     let fail = |message: String| StoreError::from(FileErrors::whole(name, message));
-    if content.starts_with(b"\xff\xd8\xff") {
-        return Err(fail("is a JPEG; expected a PNG".to_owned()));
-    }
     if !content.starts_with(b"\x89PNG\r\n\x1a\n") {
         return Err(fail("is not a PNG; expected a PNG".to_owned()));
     }

@@ -63,7 +63,7 @@ pub fn recipe_png(path: &Path, recipe: &Recipe, quantizer: &Quantizer, finish: F
         Finish::Codes => encode(&recipe.codes(quantizer), transfers, &texts),
         Finish::Palette(reduction) => {
             let image = reduce(&recipe.codes(quantizer), transfers, reduction).map_err(|error| failed(path, error))?;
-            let mut info = png::Info::with_size(image.width, image.height);
+            let mut info = png::Info::with_size(recipe.size, recipe.size);
             info.color_type = png::ColorType::Indexed;
             info.palette = Some(Cow::Owned(image.palette.concat()));
             texts.push((PALETTE_KEYWORD, reduction.to_string()));

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::{
     files::Header,
     reader::{alike, how_read},
-    rows::{RowError, Rows, Status, is_mark, is_missing},
+    rows::{MAX_ROWS, RowError, Rows, Status, is_mark, is_missing},
     selection::{Columns as Places, Input, has_session_rows},
     source::Layout,
 };
@@ -58,9 +58,6 @@ pub struct AnswersRead {
     /// What is wrong with the rows that are left out because of it.
     pub errors: Vec<FileError>,
 }
-
-/// Maximum number of rows.
-const MAX_ROWS: usize = 10_000_000;
 
 /// Reads a table: CSV with any usual separator and encoding, or the first sheet of a workbook.
 ///

@@ -213,7 +213,7 @@ pub(super) fn add_rows(
         levels.iter().zip(&mut without_level).filter(|(level, _)| level.is_empty()).for_each(|(_, n)| *n += count);
         Ok(Ok(count))
     };
-    let mut read = FileRead { path: input.path.clone(), layout: input.layout, ..FileRead::default() };
+    let mut read = FileRead { path: input.path.clone(), ..FileRead::default() };
     let each = input.columns.responses.len();
     read.rows = (rows.status.len() * each) as u64;
     for (row, which) in (0..rows.status.len()).flat_map(|row| (0..each).map(move |which| (row, which))) {

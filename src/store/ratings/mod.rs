@@ -15,4 +15,4 @@ mod source;
 
 pub use files::{Listed, column_names, files, with_files};
 pub use reader::{read, read_columns};
-pub use source::{FileRead, Layout, Levels, ReadOptions, Reason, SessionRead, Shape, Source, TimeLimits};
+pub use source::{FileRead, Levels, ReadOptions, Reason, SessionRead, Shape, Source, TimeLimits};

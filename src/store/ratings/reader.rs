@@ -459,6 +459,7 @@ fn no_row_counts(reports: &[FileRead]) -> FileError {
     let parts: Vec<String> = parts.map(|(n, what)| format!("{n} {what}")).collect();
     let found = match sum(|report| report.rows) {
         0 => "there are no rows".to_owned(),
+        rows if parts.is_empty() => format!("the rows ({rows}) have counts of 0"),
         rows => format!("none of the rows ({rows}) counts: {}", parts.join(", ")),
     };
     let among = if reports.len() > 1 { format!(" in {} files", reports.len()) } else { String::new() };

@@ -13,7 +13,7 @@ use crate::store::{
     FileError,
     columns::{Interner, Texts},
     error::RowErrors,
-    ratings::Layout,
+    ratings::source::Layout,
     table::{self, Row, decoded, shortened, with_point},
 };
 

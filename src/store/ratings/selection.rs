@@ -325,10 +325,7 @@ fn kind(file: &Input, options: &ReadOptions) -> Result<String, FileError> {
                     format!("definition {}", hash.get(..12).unwrap_or(hash))
                 }
                 None if file.experiment().is_none() => return Ok(UNKNOWN.to_owned()),
-                None => match file.other_columns(options).join(", ") {
-                    other_columns if other_columns.is_empty() => "no sidecar".to_owned(),
-                    other_columns => format!("no sidecar; additional columns {other_columns}"),
-                },
+                None => "no sidecar".to_owned(),
             };
             let name = file.experiment().unwrap_or("without a name");
             Ok(format!("a session of the experiment {name} ({details})"))
@@ -384,7 +381,7 @@ fn mixed(files: &[Input], options: &ReadOptions) -> Option<FileError> {
     let known = || files.iter().filter(|file| file.kind != UNKNOWN);
     known().find_map(|file| {
         let may_differ = |other: &Input| options.factors.is_some() && other.is_results() != file.is_results();
-        let other = known().find(|other| other.kind != file.kind && !may_differ(other))?;
+        let other = known().find(|other| !may_differ(other)).filter(|other| other.kind != file.kind)?;
         let (this, that) = (format!("is {}", file.kind), format!("{} is {}", other.name, other.kind));
         Some(FileError::whole(&file.name, format!("{this}, and {that}; expected files of one experiment")))
     })

@@ -103,7 +103,7 @@ named! {
 
 /// The layout of a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Layout {
+pub(super) enum Layout {
     /// One row per trial, with the columns of a session's file.
     Results,
     /// Counts of ratings.
@@ -117,8 +117,6 @@ pub enum Layout {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FileRead {
     pub path: PathBuf,
-    /// The file's layout.
-    pub layout: Layout,
     /// Rows below the header; in a wide table, there is a row for each of the columns.
     pub rows: u64,
     /// Rows that count.

@@ -13,7 +13,7 @@ use super::{
     sidecar::{REPAIRED, Sidecar},
 };
 use crate::{
-    experiment::{Column, Course, Identity, Protocol, Replay, Schedule, TrialRecord, columns},
+    experiment::{Column, Course, Identity, Protocol, Replay, TrialRecord, columns},
     store::{
         FileErrors, StoreError,
         error::io,
@@ -88,8 +88,7 @@ fn sort(
 ) -> Result<(Repaired, Vec<u8>, Vec<u8>), FileErrors> {
     let mismatch = |what: String| FileErrors::whole(csv, what);
     let seed = sidecar.seed;
-    let schedule = Schedule::new(protocol, identity, seed).map_err(|error| mismatch(error.to_string()))?;
-    let course = Course::new(protocol.clone(), schedule);
+    let course = Course::new(protocol, identity, seed).map_err(|error| mismatch(error.to_string()))?;
     let count = content.iter().filter(|byte| **byte == b'\n').count();
     let empty = content.windows(2).filter(|pair| *pair == b"\n\n").count();
     if 2 * empty > count {
@@ -196,16 +195,12 @@ fn write_new(csv: &Path, content: &[u8]) -> Result<PathBuf, StoreError> {
 fn record(incident: String, sidecar: &mut Sidecar) {
     let index = sidecar.sittings.len().saturating_sub(1);
     let own = sidecar.sha256_at_end_of(index);
-    if let Some(last) = sidecar.sittings.last_mut() {
-        last.complete = false;
-        if last.incidents.last() != Some(&incident) {
-            last.incidents.push(incident);
-        }
+    let Some(last) = sidecar.sittings.last_mut() else { return };
+    let seal = last.seal.clone().filter(|seal| seal.sidecar_sha256 == own);
+    last.complete = false;
+    if last.incidents.last() != Some(&incident) {
+        last.incidents.push(incident);
     }
     // The incident itself is not a manual change.
-    let now = sidecar.sha256_at_end_of(index);
-    let seal = sidecar.sittings.last_mut().and_then(|last| last.seal.as_mut());
-    if let Some(seal) = seal.filter(|seal| seal.sidecar_sha256 == own) {
-        seal.sidecar_sha256 = now;
-    }
+    seal.into_iter().for_each(|seal| sidecar.seal(index, seal));
 }

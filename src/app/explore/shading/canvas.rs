@@ -6,10 +6,7 @@ use eframe::egui::{
 };
 
 use super::comparison::Comparison;
-use crate::{
-    app::ui::{describe, pixels, secondary, theme},
-    shading::crease,
-};
+use crate::app::ui::{describe, pixels, secondary, theme};
 
 /// Degrees of rotation per press of an arrow key, without and with Shift.
 const STEPS_DEG: [f64; 2] = [5.0, 1.0];
@@ -273,19 +270,8 @@ fn share(rect: Rect, at: Pos2) -> Pos2 {
 const SCALE: Vec2 = Vec2::new(120.0, 12.0);
 const STEPS: usize = 40;
 
-/// Returns a color of the visible difference from the smooth surface.
-pub fn heat(share: f64) -> Color32 {
-    let [r, g, b] = crease::color(share).map(|encoded| (encoded * 255.0).round() as u8);
-    Color32::from_rgb(r, g, b)
-}
-
-/// Returns a color of the difference between codes.
-pub fn gray(share: f64) -> Color32 {
-    Color32::from_gray((share * 255.0).round() as u8)
-}
-
-/// Draws a scale of colors between the names of its ends.
-pub fn key(ui: &mut egui::Ui, least: &str, color: impl Fn(f64) -> Color32, most: &str) {
+/// Draws a scale of encoded colors between the names of its ends.
+pub fn key(ui: &mut egui::Ui, least: &str, color: impl Fn(f64) -> [f64; 3], most: &str) {
     ui.label(secondary(least));
     let (rect, response) = ui.allocate_exact_size(SCALE, Sense::hover());
     describe(&response, &format!("Key: from {least} to {most}"));
@@ -293,7 +279,8 @@ pub fn key(ui: &mut egui::Ui, least: &str, color: impl Fn(f64) -> Color32, most:
     for i in 0..STEPS {
         let left = rect.left() + step * i as f32;
         let part = Rect::from_x_y_ranges(left..=left + step, rect.y_range());
-        ui.painter().rect_filled(part, 0.0, color(i as f64 / (STEPS - 1) as f64));
+        let [r, g, b] = color(i as f64 / (STEPS - 1) as f64).map(|encoded| (encoded * 255.0).round() as u8);
+        ui.painter().rect_filled(part, 0.0, Color32::from_rgb(r, g, b));
     }
     // A wider page would change the size of the picture, and thus what is measured.
     ui.add(Label::new(secondary(most)).truncate());

@@ -23,7 +23,7 @@ use crate::{
     display::DisplayProfile,
     light::CodeImage,
     report::document::numbers::whole,
-    shading::Surface,
+    shading::{Surface, crease},
     store::{self, StoreError},
 };
 
@@ -246,12 +246,12 @@ impl ShadingPage {
                 Layer::Split => text::two_lines(ui, drag, ink(ui).dim, 2),
                 Layer::Difference => {
                     let most = format!("{} codes apart or more", u8::MAX.div_ceil(FACTOR));
-                    canvas::key(ui, "the same code", canvas::gray, &most);
+                    canvas::key(ui, "the same code", |share| [share; 3], &most);
                 }
                 Layer::Visible => {
                     let most =
                         self.measured().map_or_else(|_| String::new(), |known| format!("{:.1} ", known.full_scale));
-                    canvas::key(ui, "as the smooth surface", canvas::heat, &format!("{most}times the threshold"));
+                    canvas::key(ui, "as the smooth surface", crease::color, &format!("{most}times the threshold"));
                 }
             }
         });
