@@ -71,7 +71,8 @@ export function curvature({ positions, normals, triangles }) {
   const opposite = twins(triangles, positions.length / 3), faces = facesOf(positions, normals, triangles);
   const { points, vertices } = pointsOf(positions, triangles, opposite, faces), count = vertices.length;
   const tensors = tensorsOf(normals, points, vertices, faces), sides = sidesOf(points, opposite, tensors);
-  const starts = new Uint32Array(count + 1), ring = new Uint32Array(4 * points.length), across = twins(points, count);
+  const starts = new Uint32Array(count + 1), ring = new Uint32Array(4 * points.length);
+  const across = count === positions.length / 3 ? opposite : twins(points, count);
   for (const p of points) starts[p + 1]++;
   for (let p = 0; p < count; p++) starts[p + 1] += starts[p];
   const at = starts.slice();
@@ -148,7 +149,7 @@ function facesOf(positions, normals, triangles) {
     const cosine = (k) => squares[(k + 1) % 3] + squares[(k + 2) % 3] - squares[k], part = (k) => squares[k] * cosine(k);
     const obtuse = [0, 1, 2].findIndex((k) => cosine(k) < 0), all = part(0) + part(1) + part(2);
     const area = (k) => (obtuse < 0 ? (all - part(k)) / (16 * double) : double / (k === obtuse ? 4 : 8));
-    [normal, u, v, [e, f, g], [area(0), area(1), area(2)]].forEach((three, i) => faces.set(three, 15 * t + 3 * i));
+    faces.set([...normal, ...u, ...v, e, f, g, area(0), area(1), area(2)], 15 * t);
   }
   return faces;
 }
@@ -176,7 +177,8 @@ function isJump(positions, triangles, opposite, faces, h) {
   const start = triangles[next(h)], edge = step(positions, start, triangles[previous(h)]);
   // The curvature across the edge, and how far the face extends from it.
   const side = (corner) => {
-    const [normal, u, v, [e, f, g]] = [0, 1, 2, 3].map((i) => vector(faces, 5 * of(corner) + i));
+    const at = 5 * of(corner), normal = vector(faces, at), u = vector(faces, at + 1), v = vector(faces, at + 2);
+    const [e, f, g] = vector(faces, at + 3);
     const across = unit(cross(normal, edge)), x = dot(across, u), y = dot(across, v);
     const extent = Math.abs(dot(step(positions, start, triangles[corner]), across));
     return { corner, extent, bend: Math.abs(e * x * x + 2 * f * x * y + g * y * y) };

@@ -4,9 +4,9 @@
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
 
 use super::{
-    participant::fnv1a,
+    participant::{Identity, fnv1a},
     protocol::Protocol,
-    schedule::{Phase, Schedule},
+    schedule::{Phase, Schedule, ScheduleError},
     task::{Adaptive, Answer, Method, Pick, Presentation, Ranking, Track, Turn},
 };
 
@@ -23,9 +23,12 @@ pub struct Course {
 
 impl Course {
     /// Begins a session.
-    pub fn new(protocol: Protocol, schedule: Schedule) -> Self {
-        let tracks = tracks(&protocol, &schedule);
-        Self { protocol, schedule, tracks, last: None }
+    ///
+    /// # Errors
+    /// There is no such order of the trials.
+    pub fn new(protocol: &Protocol, identity: &Identity, seed: u64) -> Result<Self, ScheduleError> {
+        let (protocol, schedule) = (protocol.clone(), Schedule::new(protocol, identity, seed)?);
+        Ok(Self { tracks: tracks(&protocol, &schedule), protocol, schedule, last: None })
     }
 
     /// Returns the definition.

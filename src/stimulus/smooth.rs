@@ -42,8 +42,8 @@ impl Judged {
         let shown = coverage::visible(frame).into_iter().map(|triangle| triangle != coverage::NONE).collect();
         let smooth = |truth: &Truth| Smooth {
             picture: truth.picture(frame),
-            mask: truth.mask(frame),
-            common: truth.common(frame),
+            mask: truth.mask(frame, true),
+            common: truth.mask(frame, false),
             apart: truth.apart(frame),
         };
         Judged { shown, truth: truth.map(smooth) }

@@ -7,7 +7,7 @@ use std::{
 
 use super::{
     FileError, FileErrors, StoreError,
-    dataset::{self, FRAMES_SUFFIX},
+    dataset::{self, DATA_FILE, FRAMES_SUFFIX},
     definition,
     file::{exists, read_bytes, read_text},
     image, matches, observer, profile,
@@ -62,9 +62,9 @@ pub fn check_large(name_or_path: impl AsRef<Path>, pixels: u64) -> Result<Checke
         return check_definition(definition::open(path)?);
     }
     let checked = match path.extension().and_then(|extension| extension.to_str()) {
-        // Those of its session are compared with their seal where its rows are.
+        // The seal of a session is also that of its frames.
         Some("csv") if name.ends_with(FRAMES_SUFFIX) && exists(path)? => {
-            "frames of a session, which are checked with its result file".to_owned().into()
+            check_session(Path::new(&name.replace(FRAMES_SUFFIX, DATA_FILE)))?
         }
         Some("csv") => match column_names(path) {
             Ok(names) if names.first().is_some_and(|name| name == "channel") => {

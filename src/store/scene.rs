@@ -182,14 +182,13 @@ pub fn read(path: &Path) -> Result<SceneFile, FileErrors> {
         },
         intensity: DVec3::from_array(lamp.intensity),
     };
+    let distance = table.view.distance.unwrap_or(f64::INFINITY);
     let composition = Composition {
         bodies,
         ambient: DVec3::from_array(table.ambient),
         lamps: table.lamp.iter().map(lamp).collect(),
         background: DVec3::from_array(table.background),
-        rotate_deg: table.view.rotate,
-        fill: table.view.fill,
-        distance: table.view.distance.unwrap_or(f64::INFINITY),
+        view: View { fill: table.view.fill, distance, ..View::square(1) }.rotated(table.view.rotate),
     };
     Ok(SceneFile { composition, text, notes })
 }

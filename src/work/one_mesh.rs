@@ -164,13 +164,13 @@ impl OneMesh {
         })
     }
 
-    /// Says which options have no effect.
-    pub(super) fn idle(&self, is_measured: bool) -> Vec<String> {
+    /// Says which options have no effect on a mesh, which is a built-in one if it is `named`.
+    pub(super) fn idle(&self, named: Option<Shape>, is_measured: bool) -> Vec<String> {
         let idle = |(field, _): (String, Value)| {
             let why = match &field[..] {
                 "depth" | "boundary" if !self.shade().has_strip() => "nothing draws strips",
-                "vertices" if !self.named().is_some_and(Shape::has_vertices) => "the mesh has as many as it has",
-                "crease" if self.named().is_some() => "built-in meshes have their own creases",
+                "vertices" if !named.is_some_and(Shape::has_vertices) => "the mesh has as many as it has",
+                "crease" if named.is_some() => "built-in meshes have their own creases",
                 "shininess" if self.facet_slope.is_some() => "facet_slope says how sharp the highlight is",
                 "window_deg" if !is_measured => "nothing is measured",
                 _ => return None,

@@ -144,20 +144,19 @@ impl Shade {
             let message = "is compared only by the metrics; expected metrics, or no smooth surface";
             return Err(RequestError::new("truth", message).into());
         }
+        let mut notes = one.idle(one.named().filter(|_| given.is_none()), wanted.metrics);
         let found = given.map_or_else(|| one.mesh(), Ok)?;
         let viewing = encoded.viewing(one.window_deg, &self.luminances);
-        let mut notes = one.idle(wanted.metrics);
         let drawing = Drawing::new(one, found, self.image.size, &mut notes)?;
         let mut description = one.describe(&drawing.scene, self.image.size);
-        let transfers = encoded.transfers;
         let picture = wanted.picture.then(|| {
             let image = drawing.image();
             notes.extend(clipped(&image));
-            Quantizer::new(&transfers, self.image.bits).quantize_with(&image, &self.image.dither())
+            Quantizer::new(&encoded.transfers, self.image.bits).quantize_with(&image, &self.image.dither())
         });
         let metrics = wanted.metrics.then(|| drawing.metrics(viewing, description.clone(), &mut notes)).transpose()?;
         append(&mut description, json!({ "dither": self.image.dither, "seed": self.image.seed }));
-        Ok(Shaded { picture, metrics, transfers, description, notes })
+        Ok(Shaded { picture, metrics, transfers: encoded.transfers, description, notes })
     }
 
     /// Draws a scene of several meshes.
@@ -167,11 +166,10 @@ impl Shade {
             non_manifold(&format_args!("{}, mesh {}", scene.display(), i + 1), &body.surface)
         };
         notes.extend(composition.bodies.iter().enumerate().filter_map(of_body));
-        let (size, bits) = (self.image.size, self.image.bits);
-        let image = composition.image(size, size);
+        let image = composition.image(self.image.size, self.image.size);
         notes.extend(clipped(&image));
-        let picture = Quantizer::new(&transfers, bits).quantize_with(&image, &self.image.dither());
-        let description = json!({ "scene": scene.display().to_string(), "size": size, "toml": text });
+        let picture = Quantizer::new(&transfers, self.image.bits).quantize_with(&image, &self.image.dither());
+        let description = json!({ "scene": scene.display().to_string(), "size": self.image.size, "toml": text });
         Ok(Shaded { picture: Some(picture), metrics: None, transfers, description, notes })
     }
 }
@@ -220,16 +218,6 @@ impl<'a> Drawing<'a> {
         truth.map_or_else(|| image(&self.frame, &self.shade), |truth| truth.picture(&self.frame))
     }
 
-    /// Says if the smooth surface is another one, or elsewhere.
-    fn doubt(&self, judged: &Judged) -> Option<String> {
-        let apart = judged.apart().filter(|apart| *apart > APART)?;
-        let (file, mesh) = (self.one.fine_file()?.display(), self.one.mesh.display());
-        Some(format!(
-            "the outlines of {file} and {mesh} differ by {:.0} % of the pixels; expected the same surface in the same place",
-            100.0 * apart
-        ))
-    }
-
     /// Measures this picture and Gouraud's.
     fn metrics(
         &self,
@@ -241,7 +229,16 @@ impl<'a> Drawing<'a> {
         let (plain, side) = (frame.clone().unpainted(), ViewingConditions::PICTURE_PX);
         let seen = self.scene.frame(surface, side, side).unpainted();
         let judged = Judged::new(&seen, one.truth(&seen, self.fine.as_ref()).as_ref());
-        notes.extend(self.doubt(&judged));
+        if let Some(apart) = judged.apart().filter(|apart| *apart > APART)
+            && let Some(file) = one.fine_file()
+        {
+            notes.push(format!(
+                "the outlines of {} and {} differ by {:.0} % of the pixels; expected the same surface in the same place",
+                file.display(),
+                one.mesh.display(),
+                100.0 * apart
+            ));
+        }
         let unseen = |error: VisionError| {
             let (field, value) = match error {
                 VisionError::Black { .. } | VisionError::AllBlack => ("black", viewing.black_cd_m2),

@@ -17,7 +17,7 @@ use serde::Serialize;
 use super::{RequestError, Watcher};
 use crate::{
     experiment::{
-        self, Course, FrameCount, Identity, Observer, OrderedLogit, Protocol, Resumed, RowContext, Schedule, Session,
+        self, Course, FrameCount, Identity, Observer, OrderedLogit, Protocol, Resumed, RowContext, Session,
         SessionOptions, TrialRecord, UniformObserver, VisionObserver, VisionRater,
     },
     stimulus::Stimulus,
@@ -136,8 +136,8 @@ pub fn simulate(request: &Simulate, protocol: &Protocol, watcher: &dyn Watcher) 
 pub fn one_session(protocol: &Protocol) -> anyhow::Result<Vec<TrialRecord>> {
     let observer = VisionObserver::new(VisionRater::default(), protocol).map_err(anyhow::Error::msg)?;
     let identity = Identity::new("S001", "1").map_err(anyhow::Error::msg)?;
-    let schedule = Schedule::new(protocol, &identity, 1)?;
-    let course = Course::new(protocol.clone(), schedule.clone());
+    let course = Course::new(protocol, &identity, 1)?;
+    let schedule = course.schedule().clone();
     let mut session = Session::new(course, &Resumed::default(), NO_SCREEN);
     let context = RowContext { protocol, schedule: &schedule, identity: &identity, sitting: 1 };
     let (mut rows, start) = (Vec::new(), now());
@@ -195,7 +195,7 @@ impl Simulation<'_> {
             || SessionStore::resume(&request.results, protocol, &identity, Some(seed), sitting.clone(), changes);
         let (mut store, left) = match request.resume.then(resume) {
             None | Some(Err(StoreError::NothingToResume(_))) => {
-                let course = Course::new(protocol.clone(), Schedule::new(protocol, &identity, seed)?);
+                let course = Course::new(protocol, &identity, seed)?;
                 let store = SessionStore::create(&request.results, protocol, &identity, seed, sitting)?;
                 (store, Interrupted::before_the_first_trial(course))
             }

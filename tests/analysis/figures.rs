@@ -311,7 +311,7 @@ fn odd_studies_are_drawn() {
     let [many, long, fine] = [&many, &long, &fine].map(|names| names.iter().map(String::as_str).collect::<Vec<_>>());
     let model = quick();
     let studies = [
-        ("no factor", results(&[], 3, 4, &model, rating), 1),
+        ("no factor", results(&[], 3, 4, &model, rating), 0),
         ("one cell", results(&[("width", &["0.1"])], 1, 1, &model, same), 2),
         ("all the same", results(&[("width", WIDTHS), ("depth", DEPTHS)], 3, 1, &model, same), 4),
         ("a single level", results(&[("width", WIDTHS), ("depth", &["1"])], 3, 2, &model, rating), 5),

@@ -241,7 +241,7 @@ fn filters_narrow_the_analysis_and_its_export() {
         assert!(std::fs::read(&alone).unwrap() == std::fs::read(exported).unwrap(), "{ending}");
     }
     let report = std::fs::read_to_string(out.join("report.html")).unwrap();
-    assert!(report.contains("18 ratings by participant S002 were left out"));
+    assert!(report.contains("18 ratings by participant S002"));
     // The command that repeats it gives the same files; only the report says when it was made, and into which folder.
     click(&mut window, "Copy as command");
     let shown = texts(&window);

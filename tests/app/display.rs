@@ -155,6 +155,16 @@ fn the_measured_size_of_the_screen_is_used_on_home() {
     assert_eq!(value(&harness, "Viewing distance, cm"), "57.3");
 }
 
+/// The pixels per inch that a system assumes rise with its scale.
+#[test]
+fn the_assumed_width_follows_the_scale_of_the_system() {
+    let mut window =
+        builder(SIZE, STEP_S).with_pixels_per_point(1.5).build_eframe(|cc| App::new(cc, Launch::default()));
+    window.run_steps(3);
+    window::session_form(&mut window);
+    window.get_by_label_contains("Assumed (144 pixels per inch, from the system's scale of 1.5); measure it");
+}
+
 /// Shoaff's steps have the same ratio between neighbors, from black to white. The light of the screen's black is
 /// subtracted before the codes are computed.
 #[test]

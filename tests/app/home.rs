@@ -6,7 +6,7 @@ use eframe::egui::{self, Key, Shape};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use machband::{
     app::{App, Launch, Request},
-    experiment::{Course, Identity, Protocol, Replay, Schedule, TrialRecord, columns},
+    experiment::{Course, Identity, Protocol, Replay, TrialRecord, columns},
     store::{definition, sidecar::Sidecar},
 };
 
@@ -112,9 +112,8 @@ fn a_whole_session_with_a_break_a_pause_and_an_undone_rating() {
         seen,
         [("practice".to_owned(), 1, 1, 1), main(1, 1, 2), main(1, 2, 0), main(2, 1, 3), main(3, 1, 1), main(4, 1, 1)]
     );
-    let schedule = Schedule::new(&protocol, &Identity::new("P001", "1").unwrap(), 5).unwrap();
     let identity = Identity::new("P001", "1").unwrap();
-    let mut replay = Replay::new(&identity, Course::new(protocol.clone(), schedule), false);
+    let mut replay = Replay::new(&identity, Course::new(&protocol, &identity, 5).unwrap(), false);
     for row in &rows {
         assert!(replay.row(row).is_ok(), "{row:?}");
         // The recovery lasts a whole number of frames and is never shorter than requested.

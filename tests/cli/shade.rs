@@ -7,7 +7,7 @@ use machband::{
     shading::{Scene, Shade, Shader, Surface, image, shapes},
 };
 
-use crate::common::{json, pixels, refuses, split, succeeds};
+use crate::common::{json, machband, pixels, refuses, split, succeeds};
 
 fn metrics(folder: &Path, options: &str) -> serde_json::Value {
     succeeds(folder, &split(&format!("shade {options} --metrics m.json --force")));
@@ -30,6 +30,13 @@ fn the_picture_matches_the_library() {
     assert_eq!(parameters["depth"], 1);
     assert_eq!(parameters["mesh"], "torus");
     succeeds(folder.path(), &split("shade --shader phong --highlight cook-torrance --facet-slope .4 --out c.png"));
+    let idle = machband(
+        folder.path(),
+        &split("shade --mesh cube --vertices 9 --crease 9 --shader flat --depth 7 --out d.png"),
+    );
+    let notes = ["vertices", "crease", "depth"].map(|name| format!("note: {name} has no effect, because "));
+    let said = String::from_utf8(idle.stderr).unwrap();
+    assert!(notes.iter().all(|note| said.contains(note)), "{said}");
 }
 
 /// All documented fields are present. The meshes have 622 and 1538 triangles. `patch` has no

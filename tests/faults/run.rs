@@ -11,8 +11,8 @@ use std::{
 use jiff::Timestamp;
 use machband::{
     experiment::{
-        Course, FrameCount, Identity, OrderedLogit, Protocol, RowContext, Schedule, Session, SessionOptions,
-        TrialRecord, simulate,
+        Course, FrameCount, Identity, OrderedLogit, Protocol, RowContext, Session, SessionOptions, TrialRecord,
+        simulate,
     },
     store::{
         StoreError, definition,
@@ -137,8 +137,7 @@ fn begin(protocol: &Protocol, results: &Path, resume: bool) -> Result<(SessionSt
         return SessionStore::resume(results, protocol, &identity(), Some(SEED), sitting(), Changes::Refuse);
     }
     let store = SessionStore::create(results, protocol, &identity(), SEED, sitting())?;
-    let schedule = Schedule::new(protocol, &identity(), SEED).unwrap();
-    Ok((store, Interrupted::before_the_first_trial(Course::new(protocol.clone(), schedule))))
+    Ok((store, Interrupted::before_the_first_trial(Course::new(protocol, &identity(), SEED).unwrap())))
 }
 
 /// Rates every remaining trial, until `record` returns an error. Returns the store and whether the session was

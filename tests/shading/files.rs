@@ -367,12 +367,12 @@ fn textures_of_glb_files_wrap_and_what_is_ignored_is_named() {
         ]
     );
     let base = file.mesh.paint.as_ref().unwrap().coats[0].base.clone().unwrap();
-    assert_eq!(base.wrap, [Wrap::Clamp, Wrap::Mirror]);
+    assert_eq!(base.wrap, [Wrap::ClampToEdge, Wrap::MirroredRepeat]);
     let texture = |wrap| Texture { width: 2, height: 1, texels: vec![[0.0; 3], [1.0; 3]], wrap: [wrap; 2] };
     for (wrap, wanted) in [
         (Wrap::Repeat, [0.0, 1.0, 0.5, 0.0, 1.0]),
-        (Wrap::Mirror, [0.0, 1.0, 1.0, 1.0, 0.0]),
-        (Wrap::Clamp, [0.0, 1.0, 1.0, 1.0, 0.0]),
+        (Wrap::MirroredRepeat, [0.0, 1.0, 1.0, 1.0, 0.0]),
+        (Wrap::ClampToEdge, [0.0, 1.0, 1.0, 1.0, 0.0]),
     ] {
         let found = [0.25, 0.75, 1.0, 5.25, -0.25].map(|x| texture(wrap).at(DVec2::new(x, 0.5)).x);
         assert_eq!(found, wanted, "{wrap:?}");
@@ -441,8 +441,8 @@ fn with_seam(gap: f64) -> String {
 fn seams_are_joined_or_told() {
     for (gap, joined, told) in [
         (0.0, true, ""),
-        (1e-7, true, "2 vertices were joined"),
-        (7e-4, true, "2 vertices were joined"),
+        (1e-7, true, "joined vertices within a thousandth of an edge at 2 places"),
+        (7e-4, true, "joined vertices within a thousandth of an edge at 2 places"),
         (0.01, false, "left 2 open edges beside others"),
         (0.2, false, ""),
     ] {
@@ -510,6 +510,7 @@ fn extensions_of_glb_files_are_read_or_named() {
     }
     let used = glb(|json| json["extensionsUsed"] = json!(["KHR_materials_ior", "KHR_texture_transform"]));
     assert_eq!(parsed(&used).notes, ["extensions were ignored: KHR_materials_ior"]);
+    assert_eq!(parsed(&required("KHR_materials_unlit")).notes, ["extensions were ignored: KHR_materials_unlit"]);
     // A quarter turn of the texture: u becomes v.
     let place = json!({ "KHR_texture_transform": { "rotation": std::f64::consts::FRAC_PI_2, "offset": [0.25, 0], "scale": [2, 2] } });
     let turned = glb(move |json| {

@@ -57,12 +57,9 @@ fn joined(vertices: Vec<FrameVertex>, triangles: &[[u32; 3]], lighting: Lighting
         sides: triangles[t].map(|fan| [fan; 2]),
         of_mesh: t as u32,
         is_back: false,
-        normal: DVec3::Z,
         across: [0, 1, 2].map(|k| across(t, k)),
     };
     Frame {
-        width: 200,
-        height: 200,
         background: DVec3::splat(0.25),
         triangles: (0..triangles.len()).map(triangle).collect(),
         creases: Vec::new(),

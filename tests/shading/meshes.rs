@@ -5,7 +5,7 @@ use std::{f64::consts::PI, path::Path};
 use glam::{DMat3, DVec3};
 use machband::{
     shading::{
-        EdgeKind, Edges, Mesh, MeshError, Normals, Surface,
+        EdgeKind, Edges, Mesh, Normals, Surface,
         mesh::{newell, triangulated},
         shapes::{self, Shape},
     },
@@ -204,7 +204,7 @@ proptest! {
         let count = places.len() as u32;
         let triangles: Vec<[u32; 3]> = corners.iter().map(|(a, b, c)| [a % count, b % count, c % count]).collect();
         match Mesh::new(&places, &triangles, crease) {
-            Err(error) => prop_assert!(matches!(error, MeshError::NoArea(_) | MeshError::NotFinite(_)), "{}", error),
+            Err(error) => prop_assert!(error.contains("; expected"), "{}", error),
             Ok(mesh) => {
                 prop_assert!(mesh.vertices.iter().all(|v| (v.normal.length() - 1.0).abs() < 1e-12));
                 let surface = Surface::new(mesh);

@@ -78,8 +78,10 @@ fn every_pixel_shows_the_nearest_triangle() {
             }
             seen.1
         };
-        let visible: Vec<u32> =
-            (0..frame.height).flat_map(|y| (0..frame.width).map(move |x| (x, y))).map(|(x, y)| seen_at(x, y)).collect();
+        let visible: Vec<u32> = (0..frame.view.height)
+            .flat_map(|y| (0..frame.view.width).map(move |x| (x, y)))
+            .map(|(x, y)| seen_at(x, y))
+            .collect();
         assert!(coverage::visible(&frame) == visible, "{name}");
         let expected: Vec<f32> = visible.iter().map(|t| if *t == coverage::NONE { -1.0 } else { *t as f32 }).collect();
         let image = image(&frame, &Shade::new(Shader::Gouraud));

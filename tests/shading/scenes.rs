@@ -36,9 +36,7 @@ fn scene(bodies: Vec<Body>) -> Composition {
         ambient: DVec3::ONE,
         lamps: lit_from(DVec3::new(0.3, 0.4, 0.9)).lamps,
         background: DVec3::new(0.1, 0.2, 0.3),
-        rotate_deg: [0.0; 3],
-        fill: 0.9,
-        distance: f64::INFINITY,
+        view: View::square(1),
     }
 }
 
@@ -56,9 +54,8 @@ fn sheet(half: f64, z: f64) -> Mesh {
 fn a_scene_of_one_mesh_is_its_picture() {
     for distance in [f64::INFINITY, 2.5] {
         let torus = shapes::torus(24, 12, 0.0);
-        let alone =
-            Composition { rotate_deg: [25.0, -35.0, 10.0], distance, ..scene(vec![body(torus.clone(), DVec3::ONE)]) };
-        let view = View { distance, ..View::square(SIDE) }.rotated(alone.rotate_deg);
+        let view = View { distance, ..View::square(SIDE) }.rotated([25.0, -35.0, 10.0]);
+        let alone = Composition { view, ..scene(vec![body(torus.clone(), DVec3::ONE)]) };
         // The lamp is fixed to the scene and turns with it.
         let toward = view.rotation * DVec3::new(0.3, 0.4, 0.9);
         let lighting = lit_from(toward);
@@ -270,7 +267,7 @@ fn media_that_touch_have_no_gap_between_them() {
     let draw = |blocks: &[(f64, f64, f64)]| {
         let blocks = blocks.iter().map(|(left, right, index)| glass(block(*left, *right), *index));
         let bodies = [behind_glass()].into_iter().chain(blocks).collect();
-        Composition { rotate_deg: [12.0, 38.0, 0.0], ..scene(bodies) }.image(2 * SIDE, 2 * SIDE)
+        Composition { view: View::square(1).rotated([12.0, 38.0, 0.0]), ..scene(bodies) }.image(2 * SIDE, 2 * SIDE)
     };
     let differ =
         |a: &LinearImage, b: &LinearImage| a.data.iter().zip(&b.data).filter(|(a, b)| (**a - **b).abs() > 1e-3).count();

@@ -6,8 +6,7 @@ use machband::{
     app::{Monitor, TimingReport},
     display::frames::{FrameTimes, Refresh},
     experiment::{
-        Course, Effect, Event, FrameCount, Identity, Resumed, Schedule, Session, SessionOptions, Shown, State,
-        TrialResponse,
+        Course, Effect, Event, FrameCount, Identity, Resumed, Session, SessionOptions, Shown, State, TrialResponse,
     },
     store::definition,
 };
@@ -204,9 +203,9 @@ impl Sitting {
             "schema = 1\nname = \"t\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\nwidth = [0.1, 0.2, 0.3, 0.4]\n{tables}"
         );
         let protocol = definition::parse("t.toml", &text).unwrap();
-        let schedule = Schedule::new(&protocol, &Identity::new("S001", "1").unwrap(), 5).unwrap();
+        let course = Course::new(&protocol, &Identity::new("S001", "1").unwrap(), 5).unwrap();
         let options = SessionOptions { pages: 0, frames: FrameCount::Against(1.0 / hz) };
-        let mut session = Session::new(Course::new(protocol, schedule), &Resumed::default(), options);
+        let mut session = Session::new(course, &Resumed::default(), options);
         session.step(Event::Continue, Duration::from_secs(1));
         let mut sitting = Self { session, now_s: 1.0, refresh_s: 1.0 / hz, rows: Vec::new() };
         sitting.frame(0, 0.0, None);

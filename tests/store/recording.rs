@@ -5,8 +5,8 @@ use std::{path::Path, time::Duration};
 use jiff::Timestamp;
 use machband::{
     experiment::{
-        Course, FrameCount, Identity, OrderedLogit, Protocol, RowContext, Schedule, Session, SessionOptions,
-        TrialRecord, TrialResponse, simulate, task::Answer,
+        Course, FrameCount, Identity, OrderedLogit, Protocol, RowContext, Session, SessionOptions, TrialRecord,
+        TrialResponse, simulate, task::Answer,
     },
     store::{
         StoreError,
@@ -77,8 +77,8 @@ pub fn rate(
     limit: usize,
     again: bool,
 ) -> Result<(), StoreError> {
-    let schedule = Schedule::new(protocol, identity, SEED).unwrap();
-    let new = Interrupted::before_the_first_trial(Course::new(protocol.clone(), schedule.clone()));
+    let new = Interrupted::before_the_first_trial(Course::new(protocol, identity, SEED).unwrap());
+    let schedule = new.course.schedule().clone();
     let found = found.unwrap_or(&new);
     let options = SessionOptions { pages: 0, frames: FrameCount::Off };
     let mut session = Session::new(found.course.clone(), &found.resumed, options);

@@ -181,10 +181,9 @@ struct Driver {
 
 impl Driver {
     fn new(protocol: &Protocol, frames: FrameCount, done: &[usize]) -> Self {
-        let schedule = Schedule::new(protocol, &identity(1), 5).unwrap();
+        let course = Course::new(protocol, &identity(1), 5).unwrap();
         let resumed = Resumed { done: done.iter().copied().collect(), ..Resumed::default() };
-        let session =
-            Session::new(Course::new(protocol.clone(), schedule), &resumed, SessionOptions { pages: 2, frames });
+        let session = Session::new(course, &resumed, SessionOptions { pages: 2, frames });
         Self { session, now: Duration::from_secs(3), records: Vec::new() }
     }
 

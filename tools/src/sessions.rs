@@ -48,9 +48,10 @@ pub fn long(folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
     let results = folder.join(format!("machband-long-{}", std::process::id()));
     let protocol = definition::parse("long.toml", DEFINITION)?;
     let identity = Identity::new("S001", "1")?;
-    let schedule = Schedule::new(&protocol, &identity, 1)?;
+    let course = Course::new(&protocol, &identity, 1)?;
+    let schedule = course.schedule().clone();
     let options = SessionOptions { pages: 0, frames: FrameCount::Off };
-    let mut session = Session::new(Course::new(protocol.clone(), schedule.clone()), &Resumed::default(), options);
+    let mut session = Session::new(course, &Resumed::default(), options);
     let observer: OrderedLogit = observer::parse("paper.toml", observer::PAPER)?;
     let mut store = SessionStore::create(&results, &protocol, &identity, 1, Sitting::default())?;
     let context = RowContext { protocol: &protocol, schedule: &schedule, identity: &identity, sitting: 1 };
@@ -113,7 +114,7 @@ pub fn sample(results: &Path) -> Result<(), Box<dyn std::error::Error>> {
     let mut store = SessionStore::create(results, &protocol, &identity, SEED, sitting)?;
     let context = RowContext { protocol: &protocol, schedule: &schedule, identity: &identity, sitting: 1 };
     let options = SessionOptions { pages: 0, frames: FrameCount::Off };
-    let mut session = Session::new(Course::new(protocol.clone(), schedule.clone()), &Resumed::default(), options);
+    let mut session = Session::new(Course::new(&protocol, &identity, SEED)?, &Resumed::default(), options);
     let mut at = Duration::ZERO;
     let (mut rows, mut undone) = (Vec::new(), false);
     while rows.len() < RATED {

@@ -21,7 +21,7 @@ use crate::{
         psychometric::{Guess, Model, Point, estimate},
     },
     experiment::{
-        Condition, Course, Identity, Phase, Protocol, Schedule,
+        Condition, Course, Identity, Phase, Protocol,
         task::{Adaptive, Answer, Presentation, Psychometric},
     },
     statistics::{Interval, median},
@@ -290,11 +290,10 @@ impl ThresholdPlan {
         let thresholds: Vec<f64> = conditions.iter().map(threshold).collect();
         let mut points: Vec<Vec<Point>> = vec![Vec::new(); conditions.len()];
         // Names of people and seeds only order the trials.
-        let schedule = Identity::new(&format!("S{person:05}"), "1").ok().and_then(|identity| {
-            Schedule::new(&self.protocol, &identity, seed.wrapping_add(study.wrapping_mul(0x9e37_79b9_7f4a_7c15))).ok()
-        });
-        let Some(schedule) = schedule else { return Answered { points, thresholds } };
-        let mut course = Course::new(self.protocol.clone(), schedule);
+        let seed = seed.wrapping_add(study.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        let identity = Identity::new(&format!("S{person:05}"), "1").ok();
+        let course = identity.and_then(|identity| Course::new(&self.protocol, &identity, seed).ok());
+        let Some(mut course) = course else { return Answered { points, thresholds } };
         for trial in 0..course.schedule().trials.len() {
             let planned = &course.schedule().trials[trial];
             let (condition, phase) = (planned.condition, planned.phase);

@@ -165,7 +165,10 @@ impl<M: Method> Calibrate<M> {
             ui.ctx().request_repaint();
         } else if begin {
             match self.method.begin(&self.channels(), Path::new(self.path.trim())) {
-                Ok(run) => self.start(ui, run),
+                Ok(run) => {
+                    full_screen(ui.ctx(), true);
+                    (self.run, self.found, self.error) = (Some(run), None, None);
+                }
                 Err(message) => self.error = Some(message),
             }
         }
@@ -193,11 +196,6 @@ impl<M: Method> Calibrate<M> {
             .column(LABELS)
             .show(ui, |ui, _| ui.add_enabled(is_named, egui::Button::new("Use this file")).clicked());
         used || entered && is_named
-    }
-
-    fn start(&mut self, ui: &Ui, run: M::Run) {
-        full_screen(ui.ctx(), true);
-        (self.run, self.found, self.error) = (Some(run), None, None);
     }
 
     fn show_run(&mut self, ui: &mut Ui) {

@@ -7,7 +7,7 @@ use eframe::egui::{self, TextureHandle};
 
 use super::tool::Tool;
 use crate::{
-    app::ui::{Monitor, ScreenFields, Step, hint, paragraph, pixels, secondary, signed, tool_page},
+    app::ui::{Monitor, ScreenFields, Step, hint, paragraph, pixels, secondary, signed, tool_page, work::Kept},
     display::{
         Channel, DisplayProfile,
         matching::{CHECKED, Rows},
@@ -27,41 +27,38 @@ type Fields = Vec<(String, TextureHandle)>;
 pub struct CheckPage {
     profile: DisplayProfile,
     pairs: bool,
-    /// Thickness of the rows for which the fields were made, and the fields of each channel.
-    made: Option<(u32, [(Channel, Fields); 4])>,
+    /// The fields of each channel, by the thickness of the rows.
+    made: Kept<u32, [(Channel, Fields); 4]>,
 }
 
 impl CheckPage {
     /// Creates a check of this profile.
     pub fn new(profile: DisplayProfile) -> Self {
-        Self { profile, pairs: false, made: None }
+        Self { profile, pairs: false, made: Kept::default() }
     }
+}
 
-    fn make(&mut self, ctx: &egui::Context) {
-        let row_px = if self.pairs { 2 } else { 1 };
-        if self.made.as_ref().is_some_and(|(made, _)| *made == row_px) {
-            return;
-        }
-        let fields = |channel: Channel| {
-            let field = |text: String, (lit, period): (u32, u32), error: f64| {
-                let rows = Rows { lit, period, row_px };
-                let patch = rows.check_patch(&self.profile.transfers, channel, error);
-                let image = rows.picture(channel, patch, [FIELD_PX; 2], PATCH_PX);
-                let texture = pixels::texture(ctx, &format!("check {channel} {text}"), &image);
-                (text, texture)
-            };
-            let right = CHECKED.map(|rows| field(format!("{} of {} rows", rows.0, rows.1), rows, 0.0));
-            let wrong = [-ERROR, ERROR]
-                .map(|error| field(format!("off by {}", signed(&format!("{error:+}"))), CHECKED[0], error));
-            (channel, right.into_iter().chain(wrong).collect())
+/// Makes the fields of each channel.
+fn made(ctx: &egui::Context, profile: &DisplayProfile, row_px: u32) -> [(Channel, Fields); 4] {
+    [Channel::Gray, Channel::Red, Channel::Green, Channel::Blue].map(|channel| {
+        let field = |text: String, (lit, period): (u32, u32), error: f64| {
+            let rows = Rows { lit, period, row_px };
+            let patch = rows.check_patch(&profile.transfers, channel, error);
+            let image = rows.picture(channel, patch, [FIELD_PX; 2], PATCH_PX);
+            let texture = pixels::texture(ctx, &format!("check {channel} {text}"), &image);
+            (text, texture)
         };
-        self.made = Some((row_px, [Channel::Gray, Channel::Red, Channel::Green, Channel::Blue].map(fields)));
-    }
+        let right = CHECKED.map(|rows| field(format!("{} of {} rows", rows.0, rows.1), rows, 0.0));
+        let wrong =
+            [-ERROR, ERROR].map(|error| field(format!("off by {}", signed(&format!("{error:+}"))), CHECKED[0], error));
+        (channel, right.into_iter().chain(wrong).collect())
+    })
 }
 
 impl Tool for CheckPage {
     fn show(&mut self, ui: &mut egui::Ui, _: &Monitor, _: &mut ScreenFields) -> Step<PathBuf> {
-        self.make(ui.ctx());
+        let row_px = if self.pairs { 2 } else { 1 };
+        let made = self.made.get(row_px, || made(ui.ctx(), &self.profile, row_px));
         Step::back_if(tool_page(ui, "Check the gamma", |ui| {
             paragraph(
                 ui,
@@ -78,7 +75,7 @@ impl Tool for CheckPage {
             hint(ui, format!("{}.", self.profile.sentence()));
             ui.checkbox(&mut self.pairs, "Pairs of rows (interlaced pictures, row inversion)");
             ui.add_space(8.0);
-            for (channel, fields) in self.made.iter().flat_map(|(_, made)| made) {
+            for (channel, fields) in made {
                 ui.strong(channel.capitalized());
                 // Puts as many fields on a line as fit.
                 let side = FIELD_PX as f32 / ui.ctx().pixels_per_point();

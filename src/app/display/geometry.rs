@@ -39,10 +39,9 @@ impl GeometryPage {
                 }
             });
         });
-        let per_inch = monitor.assumed_per_inch();
-        let assumed = format!("This width assumes {per_inch} pixels per inch. Measure it with a card.");
         // The note has the same room without its text.
-        text::two_lines(ui, if fields.width_is_assumed() { &assumed } else { "" }, ink(ui).warn, 2);
+        let assumed = if fields.width_is_assumed() { monitor.assumption() + "." } else { String::new() };
+        text::two_lines(ui, &assumed, ink(ui).warn, 2);
         field("Viewing distance, cm").width(90.0).text(ui, &mut fields.distance_cm);
         field("Planned stimulus size, degrees").width(90.0).text(ui, &mut self.window_deg);
     }

@@ -5,7 +5,7 @@ use eframe::egui::{self, CursorIcon, Event, Key, TextureHandle};
 use crate::{
     app::{
         display::calibrate::Run,
-        ui::{Step, describe, pixels, secondary, show_error, window_px},
+        ui::{Step, describe, pixels, secondary, show_error, window_px, work::Kept},
     },
     display::matching::{GAP_S, Match, Matching},
     store::{StoreError, matches::MatchFile},
@@ -26,14 +26,14 @@ pub struct MatchRun {
     due_s: Option<f64>,
     /// The window's time at which the first match appears, seconds.
     start_s: Option<f64>,
-    shown: Option<(Match, u32, TextureHandle)>,
+    shown: Kept<(Match, u32), TextureHandle>,
     /// Why the last match could not be saved; `None` if it is in the file.
     unsaved: Option<String>,
 }
 
 impl MatchRun {
     pub fn new(matching: Matching, file: MatchFile) -> Self {
-        Self { matching, file, due_s: None, start_s: None, shown: None, unsaved: None }
+        Self { matching, file, due_s: None, start_s: None, shown: Kept::default(), unsaved: None }
     }
 
     fn press(&mut self, key: Key, repeated: bool, now: f64, due_s: f64) {
@@ -77,12 +77,11 @@ impl MatchRun {
         let (width, height) = window_px(ui.ctx());
         let below = (TEXT_ROOM * ui.ctx().pixels_per_point()).ceil() as u32;
         let side = width.min(height.saturating_sub(2 * below)).max(MIN_PX);
-        if self.shown.as_ref().is_none_or(|(made, at, _)| *made != shown || *at != side) {
+        let texture = self.shown.get((shown, side), || {
             let patch = shown.channel.rgb(shown.code);
             let image = shown.rows.picture(shown.channel, patch, [side; 2], side / FIELD_PER_PATCH);
-            self.shown = Some((shown, side, pixels::texture(ui.ctx(), "matching", &image)));
-        }
-        let Some((_, _, texture)) = &self.shown else { return };
+            pixels::texture(ui.ctx(), "matching", &image)
+        });
         let area = ui.ctx().content_rect();
         pixels::draw_centered(ui, texture, area);
         let response = ui.interact(area, ui.scope_id().with("field"), egui::Sense::hover());

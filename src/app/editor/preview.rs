@@ -11,7 +11,7 @@ use crate::{
         work::Latest,
     },
     experiment::{
-        Category, Condition, Course, Factor, Identity, Phase, Protocol, Schedule,
+        Category, Condition, Course, Factor, Identity, Phase, Protocol,
         task::{Layout, Presentation},
     },
     light::{Bits, Quantizer, Transfer},
@@ -130,9 +130,9 @@ impl Preview {
 
 /// Returns the first trial of the main part.
 fn first_trial(protocol: &Protocol) -> Option<Presentation> {
-    let schedule = Schedule::new(protocol, &Identity::new("P001", "1").ok()?, 1).ok()?;
-    let trial = schedule.trials.iter().position(|trial| trial.phase == Phase::Main)?;
-    Some(Course::new(protocol.clone(), schedule).presentation(trial))
+    let course = Course::new(protocol, &Identity::new("P001", "1").ok()?, 1).ok()?;
+    let trial = course.schedule().trials.iter().position(|trial| trial.phase == Phase::Main)?;
+    Some(course.presentation(trial))
 }
 
 #[derive(Default)]

@@ -17,8 +17,8 @@ use crate::{
     app::ui::Monitor,
     display::frames::{FrameTimes, KnownRefresh, Refresh},
     experiment::{
-        Answers, Course, FrameCount, Identity, Phase, RowContext, Schedule, Session, SessionOptions, State,
-        TrialRecord, TrialResponse, session_seed,
+        Answers, Course, FrameCount, Identity, Phase, RowContext, Session, SessionOptions, State, TrialRecord,
+        TrialResponse, session_seed,
     },
     light::CodeImage,
     report::{document::numbers::count, terminal::message},
@@ -82,9 +82,9 @@ impl Recording {
         } else {
             let seed = request.seed.unwrap_or_else(fresh_seed);
             let store = SessionStore::create(results, protocol, identity, seed, sitting)?;
-            let schedule = Schedule::new(protocol, identity, seed)
+            let course = Course::new(protocol, identity, seed)
                 .map_err(|error| FileErrors::whole(store.csv(), error.to_string()))?;
-            (store, Interrupted::before_the_first_trial(Course::new(protocol.clone(), schedule)))
+            (store, Interrupted::before_the_first_trial(course))
         };
         let Interrupted { course, mut resumed, elapsed_s, rows, sitting, .. } = found;
         let hours_ago = |row: &TrialRecord| now().duration_since(row.started_at).as_secs_f64() / 3600.0;

@@ -160,7 +160,18 @@ impl Studies {
         if let Some(coarse) = &checked.coarse {
             Field::new("").column(form::LABELS).show(ui, |ui, _| ui::note(ui, coarse));
         }
-        self.width_field(ui, now);
+        checked.field(form::SCREEN_WIDTH).show(ui, |ui, label| {
+            ui.horizontal_wrapped(|ui| {
+                CardHelper::field(&mut self.card, ui, label, &mut self.form.screen, now.monitor);
+            });
+            let Some((side, per_degree)) = checked.stimulus_px.filter(|_| checked.error(form::SCREEN_WIDTH).is_empty())
+            else {
+                return;
+            };
+            let is_assumed = self.form.screen.width_is_assumed();
+            let origin = if is_assumed { now.monitor.assumption() + ". " } else { String::new() };
+            ui::hint(ui, format!("{origin}{per_degree:.1} pixels per degree; the stimulus is {side} pixels wide."));
+        });
         let browse = (FileKind::Toml, "Choose a display profile…");
         let field = checked.field(form::PROFILE).hint("sRGB");
         field.path(ui, &mut self.form.screen.profile, &mut self.profile, browse);
@@ -171,35 +182,14 @@ impl Studies {
             });
         }
         let browse = (FileKind::Folder, "Choose the results folder…");
-        let field = checked.field(form::RESULTS);
+        let field = checked.field(form::RESULTS).slot();
         let (field, _) = field.path(ui, &mut self.form.results, &mut self.results, browse);
         field.on_hover_text(self.form.results.as_str());
-        self.monitor_field(ui, now);
-    }
-
-    fn width_field(&mut self, ui: &mut Ui, now: &Now<'_>) {
-        let Now { checked, monitor, .. } = now;
-        checked.field(form::SCREEN_WIDTH).show(ui, |ui, label| {
-            ui.horizontal_wrapped(|ui| {
-                CardHelper::field(&mut self.card, ui, label, &mut self.form.screen, monitor);
-            });
-            let Some((side, per_degree)) = checked.stimulus_px.filter(|_| checked.error(form::SCREEN_WIDTH).is_empty())
-            else {
-                return;
-            };
-            let is_assumed = self.form.screen.width_is_assumed();
-            let origin = if is_assumed { monitor.assumption() + ". " } else { String::new() };
-            ui::hint(ui, format!("{origin}{per_degree:.1} pixels per degree; the stimulus is {side} pixels wide."));
-        });
-    }
-
-    fn monitor_field(&mut self, ui: &mut Ui, now: &mut Now<'_>) {
-        let Now { monitor, settings, .. } = now;
         Field::new("Screen").column(form::LABELS).show(ui, |ui, _| {
             ui.horizontal_wrapped(|ui| {
-                let title = ui.label(monitor.title());
+                let title = ui.label(now.monitor.title());
                 title.on_hover_text("To use another screen, move this window there.");
-                ui.checkbox(&mut settings.full_screen, "Full screen");
+                ui.checkbox(&mut now.settings.full_screen, "Full screen");
             });
         });
     }

@@ -36,13 +36,7 @@ impl Place {
         (Self::Analyze, Icon::Analyze, "Analyze", "Open ratings and see the results.", Key::Num2),
         (Self::Stimuli, Icon::Stimuli, "Stimuli", "See, predict and export every stimulus.", Key::Num3),
         (Self::Shading, Icon::Shading, "Shading", "Compare shaders on a mesh, with and without bands.", Key::Num4),
-        (
-            Self::Display,
-            Icon::Display,
-            "Display",
-            "Measure the size, the luminance and the timing of this screen.",
-            Key::Num5,
-        ),
+        (Self::Display, Icon::Display, "Display", "Measure the size, light and timing of this screen.", Key::Num5),
     ];
 
     /// Returns whether the page shows stimuli, beside which nothing is colored.

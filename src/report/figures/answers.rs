@@ -18,20 +18,10 @@ const MAX_NAMED: usize = 10;
 /// Draws `proportions`.
 pub(super) fn proportions(results: &Results) -> Option<Figure> {
     let counts = &results.measured.counts;
-    let chosen: Vec<usize> = chosen(counts).into_iter().take(1).collect();
-    let groups = by_levels(counts, &chosen);
-    if groups.is_empty() {
-        return None;
-    }
-    let factor = chosen.first().map(|&factor| &counts.factors[factor]);
-    let (bars, is_ordered) =
-        factor.map_or((vec![String::new()], true), |own| (own.levels.clone(), own.numbers.is_some()));
-    let levels = Levels::evenly(&bars, is_ordered);
-    let (by, across) = factor.map_or_else(Default::default, |factor| {
-        let name = &factor.name;
-        (format!(" by {}", labels::in_sentence(results, name)), names::axis(results, name))
-    });
-    let title = format!("How often each rating was given{by}");
+    let index = *chosen(counts).first()?;
+    let (groups, factor) = (by_levels(counts, &[index]), &counts.factors[index]);
+    let levels = Levels::evenly(&factor.levels, factor.numbers.is_some());
+    let title = format!("How often each rating was given by {}", labels::in_sentence(results, &factor.name));
     let caption = format!("Proportions of the ratings; {}.", labels::sample(results));
     let color = |index: usize| category(index, counts.categories.len());
     // The highest category is on top.
@@ -44,10 +34,10 @@ pub(super) fn proportions(results: &Results) -> Option<Figure> {
     let panel = values.panel(values.margin(), WIDTH - EDGE - beside("Rating", &series), EDGE, PANEL);
     Some(Figure::draw("proportions", title, caption, panel.bottom + levels.below(panel.width()), |svg| {
         values.draw(svg, &panel, Some("Ratings (%)"));
-        levels.draw(svg, &panel, &across);
+        levels.draw(svg, &panel, &names::axis(results, &factor.name));
         let half = 0.4 * levels.gap() * panel.width();
-        for (at, level) in levels.at.iter().zip(&bars) {
-            let own = groups.iter().find(|group| group.names.first().is_none_or(|name| name == level));
+        for (at, level) in levels.at.iter().zip(&factor.levels) {
+            let own = groups.iter().find(|group| group.names[0] == *level);
             let Some(summary) = own.map(|group| &group.summary) else { continue };
             let (x, mut from) = (panel.x(*at), 0.0);
             for (index, share) in summary.proportions.iter().enumerate().filter(|(_, share)| **share > 0.0) {

@@ -184,10 +184,7 @@ pub(super) fn participants(results: &Results) -> Option<Figure> {
     let (values, levels) = (Values::ratings(counts), Levels::of(by));
     let panel = values.panel(values.margin(), WIDTH - EDGE, EDGE, PANEL);
     let people = shown.len() as f64;
-    let thin = Stroke {
-        opacity: (12.0 / people).clamp(0.25, 0.75),
-        ..Stroke::new(GRAY, if people > 40.0 { 1.4 } else { 2.0 })
-    };
+    let thin = Stroke { opacity: (12.0 / people).clamp(0.25, 0.75), ..Stroke::new(GRAY, 2.0) };
     let points = |means: &[Option<f64>]| -> Vec<Option<Point>> {
         levels.at.iter().zip(means).map(|(&at, mean)| mean.map(|mean| (panel.x(at), panel.y(mean)))).collect()
     };

@@ -290,12 +290,6 @@ fn methods(study: &TaskStudy, results: &TaskResults) -> Section {
     if !results.differences.is_empty() {
         section.text(MODEL_OF_DIFFERENCES);
     }
-    if results.differences.len() > 1 {
-        section.text(
-            "This report says that two conditions differ if p of the t test of their difference, with Holm’s correction for all pairs of conditions, is below \
-             .05. The intervals are not corrected.",
-        );
-    }
     section
 }
 

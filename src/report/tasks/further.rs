@@ -37,7 +37,6 @@ pub(super) fn summary(study: &TaskStudy, results: &TaskResults) -> Vec<String> {
         let settings = means(study, &results.settings, Some(scaled_ends(dial)), |own| Some(own.mean), format);
         let of_setting = |(at, mean)| format!("The {kind} {what}{at} is {mean}.");
         all.extend(settings.into_iter().map(of_setting));
-        all.extend(direction(results, dial));
     }
     all
 }
@@ -139,24 +138,6 @@ fn order(study: &TaskStudy, found: &Comparisons) -> Vec<String> {
         );
     }
     all
-}
-
-/// Says whether settings depend on where they began: one value of each person.
-fn direction(results: &TaskResults, dial: &Dial) -> Option<String> {
-    let people = results.settings.iter().map(|own| own.person).max()? + 1;
-    let of_person = |person: usize| {
-        let own = results.settings.iter().filter(|own| own.person == person);
-        over_people(&own.filter_map(|own| own.found.direction).collect::<Vec<_>>(), None).map(|own| own.mean)
-    };
-    let found = over_people(&(0..people).filter_map(of_person).collect::<Vec<_>>(), None)?;
-    let interval = found.interval?;
-    let format = scaled(dial.log, Some(interval));
-    let value = format!("{}{}", format(found.mean), with_interval(Some(interval), &format));
-    let clear = interval.low > 0.0 || interval.high < 0.0;
-    let verdict = if clear { "so the start matters" } else { "so it is not clear that the start matters" };
-    let that_began = "settings that began in the upper half of the range";
-    let (kind, and) = if dial.log { ("ratio of", "to") } else { ("difference between", "and") };
-    Some(format!("The {kind} {that_began} {and} other settings is {value} on average, {verdict}."))
 }
 
 /// Returns the sections for which there are data.

@@ -42,12 +42,8 @@ pub struct Composition {
     pub lamps: Vec<Lamp>,
     /// The light where there is no body.
     pub background: DVec3,
-    /// The rotation of the scene in degrees about x, then y, then z.
-    pub rotate_deg: [f64; 3],
-    /// The share of the picture's side that the sphere around the scene fills.
-    pub fill: f64,
-    /// Distance of the eye in radii of that sphere, above 1; infinite for a parallel projection.
-    pub distance: f64,
+    /// How all bodies are seen, but for the number of pixels.
+    pub view: View,
 }
 
 /// The number of surfaces that a refracted line of sight meets, at most; after that, it shows the background.
@@ -65,8 +61,7 @@ impl Composition {
     /// of sight is bent where it enters and leaves; what it then meets is lit at that point, whatever its shader. No
     /// body casts shadows.
     pub fn image(&self, width: u32, height: u32) -> LinearImage {
-        let view = View { width, height, fill: self.fill, distance: self.distance, ..View::square(1) };
-        let view = view.rotated(self.rotate_deg);
+        let view = View { width, height, ..self.view };
         let sphere = Mesh::bounds_of(&self.bodies.iter().map(|body| &body.surface.mesh).collect::<Vec<_>>());
         let lamps: Vec<Lamp> = self.lamps.iter().map(|lamp| in_eye_space(lamp, view.rotation, sphere)).collect();
         let frame = |body: &Body| {
@@ -79,7 +74,15 @@ impl Composition {
             shading: Shading::new(frame, &body.shade),
             outlines: coverage::outlines(frame),
         });
-        let targets = self.bodies.iter().any(|body| body.index.is_some()).then(|| targets(&self.bodies, &frames));
+        // The triangles of all bodies in eye space.
+        let of_body = |(b, (body, frame)): (u32, (&Body, &Frame))| -> Vec<Target> {
+            let triangles = (0..).zip(&body.surface.mesh.triangles);
+            let corners = |t: &[u32; 3]| t.map(|v| frame.vertices[v as usize].eye);
+            triangles.map(|(t, triangle)| Target { of: (b, t), corners: corners(triangle) }).collect()
+        };
+        let targets = self.bodies.iter().any(|body| body.index.is_some());
+        let targets =
+            targets.then(|| Targets::new((0..).zip(self.bodies.iter().zip(&frames)).flat_map(of_body).collect()));
         let picture = Picture { scene: self, view, drawn: drawn.collect(), targets };
         in_bands(width, height, |first, pixels| picture.draw(first, pixels))
     }
@@ -96,17 +99,6 @@ fn in_eye_space(lamp: &Lamp, rotation: DMat3, (center, radius): (DVec3, f64)) ->
         },
     };
     Lamp { position, ..*lamp }
-}
-
-/// Collects the triangles of all bodies in eye space.
-fn targets(bodies: &[Body], frames: &[Frame]) -> Targets {
-    let mut targets = Vec::new();
-    for (b, (body, frame)) in (0..).zip(bodies.iter().zip(frames)) {
-        for (t, triangle) in (0..).zip(&body.surface.mesh.triangles) {
-            targets.push(Target { of: (b, t), corners: triangle.map(|v| frame.vertices[v as usize].eye) });
-        }
-    }
-    Targets::new(targets)
 }
 
 /// A body that is ready to be drawn.
@@ -278,8 +270,8 @@ pub(super) const ROWS: usize = 16;
 pub fn image(frame: &Frame, shade: &Shade) -> LinearImage {
     let (shading, outlines) = (Shading::new(frame, shade), coverage::outlines(frame));
     let background = frame.background.as_vec3().to_array();
-    let width = frame.width as usize;
-    in_bands(frame.width, frame.height, |first, pixels| {
+    let width = frame.view.width as usize;
+    in_bands(frame.view.width, frame.view.height, |first, pixels| {
         let seen = coverage::visible_in(frame, &outlines, first as u32..(first + pixels.len() / (3 * width)) as u32);
         for (i, (pixel, triangle)) in pixels.as_chunks_mut::<3>().0.iter_mut().zip(seen).enumerate() {
             if triangle == coverage::NONE {

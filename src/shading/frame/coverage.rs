@@ -15,12 +15,12 @@ pub const NONE: u32 = u32::MAX;
 /// A pixel belongs to the triangles whose [`Outline`]s contain it. The nearest triangle is visible; in a tie, the first
 /// one is. Depth is affine on the screen.
 pub fn visible(frame: &Frame) -> Vec<u32> {
-    visible_in(frame, &outlines(frame), 0..frame.height)
+    visible_in(frame, &outlines(frame), 0..frame.view.height)
 }
 
 /// Returns [`visible`] for some rows only.
 pub(crate) fn visible_in(frame: &Frame, outlines: &[Option<Outline>], rows: Range<u32>) -> Vec<u32> {
-    let pixels = rows.len() * frame.width as usize;
+    let pixels = rows.len() * frame.view.width as usize;
     let (mut seen, mut nearest) = (vec![NONE; pixels], vec![f64::INFINITY; pixels]);
     each_layer(frame, outlines, rows, |triangle, at, depth| {
         if depth < nearest[at] {
@@ -32,7 +32,7 @@ pub(crate) fn visible_in(frame: &Frame, outlines: &[Option<Outline>], rows: Rang
 
 /// Returns the outlines of all triangles.
 pub(crate) fn outlines(frame: &Frame) -> Vec<Option<Outline>> {
-    frame.each_triangle(|t| Outline::new(frame.corners(t).map(|v| v.screen), frame.width, frame.height))
+    frame.each_triangle(|t| Outline::new(frame.corners(t).map(|v| v.screen), frame.view.width, frame.view.height))
 }
 
 /// Calls `of` with every triangle, in order, and every pixel that it covers in `rows`: the pixel's index from the first
@@ -52,8 +52,8 @@ pub(crate) fn each_layer(
         }
         let depths = Plane::of_depths(frame, triangle);
         for y in within {
-            let row = (y - rows.start) as usize * frame.width as usize;
-            for x in outline.span(y, frame.width) {
+            let row = (y - rows.start) as usize * frame.view.width as usize;
+            for x in outline.span(y, frame.view.width) {
                 of(triangle, row + x as usize, depths.at(x, y));
             }
         }
@@ -88,7 +88,7 @@ pub fn interior_mask(frame: &Frame) -> Vec<bool> {
 
 /// Returns each pixel of the frame with the one to its right, and with the one below, as indices.
 pub(crate) fn neighbors(frame: &Frame) -> impl Iterator<Item = (usize, usize)> + use<> {
-    let (width, count) = (frame.width as usize, frame.width as usize * frame.height as usize);
+    let (width, count) = (frame.view.width as usize, frame.view.width as usize * frame.view.height as usize);
     let of = move |here: usize| {
         let [right, below] = [here + 1, here + width];
         let right = (!right.is_multiple_of(width)).then_some((here, right));
@@ -100,8 +100,8 @@ pub(crate) fn neighbors(frame: &Frame) -> impl Iterator<Item = (usize, usize)> +
 /// Returns the pixels of the frame that are at most one pixel from the pixel at `place`, as indices.
 pub(crate) fn around(frame: &Frame, place: DVec2) -> impl Iterator<Item = usize> + Clone + use<> {
     let range = |at: f64, size: u32| (at.floor() as i64 - 1).max(0)..(at.floor() as i64 + 2).min(size.into());
-    let (columns, width) = (range(place.x, frame.width), i64::from(frame.width));
-    range(place.y, frame.height).flat_map(move |y| columns.clone().map(move |x| (y * width + x) as usize))
+    let (columns, width) = (range(place.x, frame.view.width), i64::from(frame.view.width));
+    range(place.y, frame.view.height).flat_map(move |y| columns.clone().map(move |x| (y * width + x) as usize))
 }
 
 /// True if the surface continues from triangle `one` at pixel `here` to triangle `other` at the neighboring pixel
@@ -112,7 +112,7 @@ fn is_joined(frame: &Frame, one: usize, other: usize, here: usize, there: usize)
         return true;
     }
     let center = |pixel: usize| {
-        let (x, y) = (pixel % frame.width as usize, pixel / frame.width as usize);
+        let (x, y) = (pixel % frame.view.width as usize, pixel / frame.view.width as usize);
         DVec2::new(x as f64 + 0.5, y as f64 + 0.5)
     };
     let depth = |t: usize, pixel: usize| {

@@ -124,10 +124,6 @@ impl cubic::Screen for View {
 /// A frame to be shaded. Vertices are on the screen; light values are linear red, green and blue.
 #[derive(Clone, Debug)]
 pub struct Frame {
-    /// Pixels per row.
-    pub width: u32,
-    /// Number of rows.
-    pub height: u32,
     /// The light where there is no surface.
     pub background: DVec3,
     /// The center and radius of the sphere in mesh space that is the unit sphere of eye space.
@@ -189,8 +185,6 @@ pub struct FrameTriangle {
     pub of_mesh: u32,
     /// True if this is the back of the mesh's triangle, whose corners 1 and 2 then swap places.
     pub is_back: bool,
-    /// Unit normal of the face in eye space, pointing toward the eye.
-    pub normal: DVec3,
     /// The neighbor across each edge; `None` if there is none to join smoothly: the edge is a border of the surface, a
     /// crease, a silhouette (the neighbor faces away or lies on the same side of the edge on the screen), or the edge of
     /// more than two triangles.
@@ -264,8 +258,6 @@ impl Frame {
         let of_mesh = || surface.fans.vertices.iter().zip(&surface.fans.curvature);
         let fans = sides.iter().flat_map(|side| of_mesh().map(|of| fan(of, *side))).collect();
         let mut frame = Frame {
-            width: view.width,
-            height: view.height,
             background,
             sphere: (center, radius),
             smooth: mesh.smooth,
@@ -354,8 +346,6 @@ impl Frame {
                 let (triangle, theirs) = drawn[other as usize]?;
                 theirs.contains(&apex).then_some(Neighbor { triangle, apex })
             });
-            let [a, b, c] = corners.map(|v| self.vertices[v as usize].eye);
-            let normal = (b - a).cross(c - a).normalize_or_zero();
             for (k, e) in edges.iter().enumerate() {
                 if surface.edges.edges[*e as usize].kind == EdgeKind::Crease {
                     let ends = [corners[(k + 1) % 3], corners[(k + 2) % 3]];
@@ -369,7 +359,7 @@ impl Frame {
                 sides = [sides[0], sides[2], sides[1]].map(|[next, previous]| [previous, next].map(of_back));
             }
             let of_mesh = t as u32;
-            self.triangles.push(FrameTriangle { vertices: corners, fans, sides, of_mesh, is_back, normal, across });
+            self.triangles.push(FrameTriangle { vertices: corners, fans, sides, of_mesh, is_back, across });
         }
     }
 

@@ -23,9 +23,6 @@ pub struct Mirrors {
     pub index: Option<f64>,
 }
 
-/// The index of refraction of small mirrors that reflect a quarter of the light at normal incidence.
-const INDEX: f64 = 3.0;
-
 named! {
     /// The shape of the highlight.
     Highlight, HighlightError {
@@ -57,7 +54,7 @@ impl Highlight {
     /// Returns the shape as a material has it, for the exponent `shininess` of Phong's and Blinn's highlight.
     pub fn model(self, shininess: f64, Mirrors { slope, c1, index }: Mirrors) -> Specular {
         let slope = slope.unwrap_or_else(|| (2.0 / (shininess + 2.0)).sqrt());
-        let index = DVec3::splat(index.unwrap_or(INDEX));
+        let index = DVec3::splat(index.unwrap_or(3.0));
         let mirrors = |c1| Specular::CookTorrance(Microfacets { c1, slope, index });
         match self {
             Highlight::Phong => Specular::Phong,
@@ -130,7 +127,9 @@ impl Scene {
             shininess: self.shininess,
             specular_model: self.highlight.model(self.shininess, self.mirrors),
         };
-        let lamp = Lamp { position: LampPosition::Direction(direction(self.light)), intensity: DVec3::ONE };
+        // Whatever its length.
+        let toward = (self.light / self.light.abs().max_element()).normalize_or(DVec3::Z);
+        let lamp = Lamp { position: LampPosition::Direction(toward), intensity: DVec3::ONE };
         Lighting { material, ambient: DVec3::ONE, lamps: vec![lamp] }
     }
 
@@ -143,9 +142,4 @@ impl Scene {
     pub fn frame(&self, surface: &Surface, width: u32, height: u32) -> Frame {
         Frame::new(surface, &self.view(width, height), &self.lighting(), self.color * self.background)
     }
-}
-
-/// Returns the unit vector along `v`, however long or short `v` is; the vector toward the eye if `v` has no direction.
-fn direction(v: DVec3) -> DVec3 {
-    (v / v.abs().max_element()).normalize_or(DVec3::Z)
 }

@@ -52,18 +52,7 @@ impl Creases {
             checkpoint();
             measured(frame, sides, step, &light)
         };
-        Creases::summed(shared.into_par_iter().map(measured).collect())
-    }
-
-    /// Measures the creases that `shade` leaves in `frame`.
-    pub fn of(frame: &Frame, shade: &Shade) -> Creases {
-        let shading = Shading::new(frame, shade);
-        // The step must be much smaller than the strips. Below b = 1e-6, rounding would dominate.
-        let step = if shade.boundary > 0.0 { STEP.min(shade.strip() * 1e-2).max(1e-8) } else { STEP };
-        Creases::of_field(frame, step, |triangle, weights| shading.light(triangle, weights))
-    }
-
-    fn summed(edges: Vec<EdgeCrease>) -> Creases {
+        let edges: Vec<EdgeCrease> = shared.into_par_iter().map(measured).collect();
         let length: f64 = edges.iter().map(|e| e.length).sum();
         if length <= 0.0 {
             return Creases { edges, ..Creases::default() };
@@ -83,6 +72,14 @@ impl Creases {
         };
         let (median, p95) = (at_most(0.5), at_most(0.95));
         Creases { rms: rms(|e| e.jump), step_rms: rms(|e| e.step), median, p95, max, edges }
+    }
+
+    /// Measures the creases that `shade` leaves in `frame`.
+    pub fn of(frame: &Frame, shade: &Shade) -> Creases {
+        let shading = Shading::new(frame, shade);
+        // The step must be much smaller than the strips. Below b = 1e-6, rounding would dominate.
+        let step = if shade.boundary > 0.0 { STEP.min(shade.strip() * 1e-2).max(1e-8) } else { STEP };
+        Creases::of_field(frame, step, |triangle, weights| shading.light(triangle, weights))
     }
 }
 
@@ -145,12 +142,7 @@ fn one_sided(
         w[j] = s + steps * h * rates.1;
         light(t, w)
     };
-    slope(h, at)
-}
-
-/// Returns the light and slope at the beginning of a line, from three points on it that are `h` apart; the error is
-/// proportional to h².
-fn slope(h: f64, at: impl Fn(f64) -> DVec3) -> (DVec3, DVec3) {
+    // The slope of the parabola through three points.
     let here = at(0.0);
     (here, (4.0 * at(1.0) - at(2.0) - 3.0 * here) / (2.0 * h))
 }

@@ -27,13 +27,6 @@ struct Point {
     normal: DVec3,
 }
 
-/// The number of pixels around an outline or a terminator at which pictures are not compared.
-const MARGIN: usize = 2;
-
-/// The cosine between the surface and the line of sight below which pictures are not compared, near outlines: there, a
-/// mesh lies in another place on the screen than the surface, which no shader can repair.
-const LEAST_FACING: f64 = 0.3;
-
 impl Truth {
     /// Traces the surface that the mesh of `frame` approximates; `None` if it is not known.
     pub fn traced(frame: &Frame) -> Option<Truth> {
@@ -55,7 +48,7 @@ impl Truth {
         let fine = Frame::within(frame.sphere, fine, &frame.view, &frame.lighting, frame.background);
         let seen = coverage::visible(&fine);
         Truth::of_pixels(frame, |screen| {
-            let pixel = screen.y as usize * frame.width as usize + screen.x as usize;
+            let pixel = screen.y as usize * frame.view.width as usize + screen.x as usize;
             let triangle = Some(seen[pixel]).filter(|triangle| *triangle != coverage::NONE)? as usize;
             let (corners, weights) = (fine.corners(triangle), fine.weights(triangle, screen));
             let sum = |of: fn(&FrameVertex) -> DVec3| -> DVec3 {
@@ -66,7 +59,7 @@ impl Truth {
     }
 
     fn of_pixels(frame: &Frame, point: impl Fn(DVec2) -> Option<Point> + Sync) -> Truth {
-        let width = frame.width as usize;
+        let width = frame.view.width as usize;
         let at = |i: usize| {
             checkpoint();
             let point = point(DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5))?;
@@ -74,32 +67,19 @@ impl Truth {
             Some(if is_back { Point { normal: -point.normal, ..point } } else { point })
         };
         // Unwinding at every pixel would take longer than the pixels do.
-        let pixels = (0..width * frame.height as usize).into_par_iter().with_min_len(width);
+        let pixels = (0..width * frame.view.height as usize).into_par_iter().with_min_len(width);
         Truth { points: pixels.map(at).collect() }
     }
 
     /// Returns the picture of the surface under the lighting of `frame`, in linear light, or encoded as the frame is.
     pub fn picture(&self, frame: &Frame) -> LinearImage {
-        LinearImage::from_fn(frame.width, frame.height, |x, y| {
-            let light = match &self.points[(y * frame.width + x) as usize] {
+        LinearImage::from_fn(frame.view.width, frame.view.height, |x, y| {
+            let light = match &self.points[(y * frame.view.width + x) as usize] {
                 Some(point) => frame.lit(point.eye, point.normal),
                 None => frame.background,
             };
             light.as_vec3().to_array()
         })
-    }
-
-    /// For each pixel, returns true if a shader's picture of `frame` should look like the surface there: both show the
-    /// surface, which does not turn away by more than 72.5°, and no outline, meant crease, or terminator of a lamp is
-    /// within two pixels.
-    pub fn mask(&self, frame: &Frame) -> Vec<bool> {
-        self.inside(frame, LEAST_FACING, true, MARGIN)
-    }
-
-    /// For each pixel, returns true if both `frame` and this picture show the surface there, and no outline or meant
-    /// crease is within three pixels.
-    pub fn common(&self, frame: &Frame) -> Vec<bool> {
-        self.inside(frame, f64::NEG_INFINITY, false, MARGIN + 1)
     }
 
     /// Returns the number of pixels that show either the mesh of `frame` or this surface, as a share of those that show
@@ -112,21 +92,24 @@ impl Truth {
         f64::from(apart) / f64::from(all.max(1))
     }
 
-    /// Returns the pixels that are at least `margin` pixels from outlines, meant creases and, with `lamps`, terminators,
-    /// and where the surface faces the eye by at least the cosine `least`.
-    fn inside(&self, frame: &Frame, least: f64, lamps: bool, margin: usize) -> Vec<bool> {
+    /// For each pixel, returns true if both `frame` and this picture show the surface there, and no outline or meant
+    /// crease is within three pixels; or, where a shader's picture should look like the surface if it is `lit`: no
+    /// outline, meant crease, or terminator of a lamp is within two pixels, and the surface does not turn away by more
+    /// than 72.5°.
+    pub fn mask(&self, frame: &Frame, lit: bool) -> Vec<bool> {
+        let (least, margin) = if lit { (0.3, 2) } else { (f64::NEG_INFINITY, 3) };
         let meshed = coverage::interior_mask(frame);
         let faces =
             |point: &Option<Point>| point.as_ref().is_some_and(|p| p.normal.dot(frame.view.to_viewer(p.eye)) >= least);
         let mut inside: Vec<bool> =
             self.points.iter().zip(meshed).map(|(point, meshed)| faces(point) && meshed).collect();
         for (here, there) in coverage::neighbors(frame) {
-            if !self.is_joined(frame, lamps, here, there) {
+            if !self.is_joined(frame, lit, here, there) {
                 (inside[here], inside[there]) = (false, false);
             }
         }
         for _ in 0..margin {
-            inside = eroded(&inside, frame.width as usize);
+            inside = eroded(&inside, frame.view.width as usize);
         }
         inside
     }

@@ -15,27 +15,13 @@ use crate::system::checkpoint;
 /// The largest absolute coordinate of a mesh; it leaves room for products of several coordinates.
 pub const MAX_COORDINATE: f64 = 1e30;
 
-/// Why faces do not form a mesh.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum MeshError {
-    /// No triangles.
-    #[error("the mesh has no triangles; expected at least one")]
-    NoTriangles,
-    /// No triangle has an area.
-    #[error("none of the {0} triangles has an area; expected at least one with an area")]
-    NoArea(usize),
-    /// A position that is not finite or is too large.
-    #[error("position {0} is not finite or is beyond ±1e30; expected three finite numbers within ±1e30")]
-    NotFinite(usize),
-}
-
 /// Faces with three or more corners, and optionally normals and paint at their corners.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Polygons {
     pub(super) sites: Vec<u32>,
     /// Has the same length as `sites`, or is empty until the first normal is given.
     pub(super) normals: Vec<Option<DVec3>>,
-    pub(super) ends: Vec<usize>,
+    pub ends: Vec<usize>,
     /// The paint at each corner and the coat of each polygon; empty if the polygons are not painted.
     pub(super) paint: Vec<PaintedCorner>,
     of_polygons: Vec<u32>,
@@ -168,8 +154,8 @@ impl Mesh {
     /// do not share normals there. With 180, every vertex is smooth; with 0, only vertices within a plane are.
     ///
     /// # Errors
-    /// Returns a [`MeshError`] if the triangles do not form a mesh.
-    pub fn new(positions: &[DVec3], triangles: &[[u32; 3]], crease_deg: f64) -> Result<Mesh, MeshError> {
+    /// No triangle has an area, or a position is not finite.
+    pub fn new(positions: &[DVec3], triangles: &[[u32; 3]], crease_deg: f64) -> Result<Mesh, String> {
         Mesh::from_polygons(positions, &Polygons::new(triangles.iter().map(|t| &t[..])), crease_deg)
     }
 
@@ -180,11 +166,12 @@ impl Mesh {
     ///
     /// # Errors
     /// Returns a [`MeshError`] if the polygons do not form a mesh.
-    pub fn from_polygons(positions: &[DVec3], polygons: &Polygons, crease_deg: f64) -> Result<Mesh, MeshError> {
+    pub fn from_polygons(positions: &[DVec3], polygons: &Polygons, crease_deg: f64) -> Result<Mesh, String> {
         // NaN does not count as within.
         let within = |p: &DVec3| p.to_array().iter().all(|x| x.abs() <= MAX_COORDINATE);
         if let Some(at) = positions.iter().position(|p| !within(p)) {
-            return Err(MeshError::NotFinite(at));
+            let expected = "expected three finite numbers within ±1e30";
+            return Err(format!("position {at} is not finite or is beyond ±1e30; {expected}"));
         }
         let (mut triangles, mut normals, mut faces, mut given) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let mut paint = Paint { corners: Vec::new(), of_triangles: Vec::new(), coats: polygons.coats.clone() };
@@ -204,13 +191,9 @@ impl Mesh {
                 }
             }
         }
-        if triangles.is_empty() {
-            return Err(MeshError::NoTriangles);
-        }
         if normals.iter().all(|normal| *normal == DVec3::ZERO) {
-            return Err(MeshError::NoArea(triangles.len()));
+            return Err("has no face with a nonzero area; expected at least one".to_owned());
         }
-        // If all normals are given, the search for creases is unnecessary.
         let all_given = !given.is_empty() && given.iter().flatten().all(Option::is_some);
         let crease_deg = if all_given { 180.0 } else { crease_deg };
         let mesh = normals::averaged(positions, &triangles, &normals, &faces, crease_deg);

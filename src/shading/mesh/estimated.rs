@@ -56,15 +56,16 @@ impl Mesh {
         let rings = cubic::around(self.vertices.len(), self.triangles.iter().map(|corners| (*corners, *corners)));
         let areas = (normals == Normals::Best).then(|| self.means(DVec3::cross));
         for _ in 0..PASSES {
-            let fits: Vec<Option<Fit>> = rings.par_iter().enumerate().map(|(v, ring)| self.fitted(v, ring)).collect();
+            let fits: Vec<Option<(DVec3, f64)>> =
+                rings.par_iter().enumerate().map(|(v, ring)| self.fitted(v, ring)).collect();
             for (v, (vertex, fit)) in self.vertices.iter_mut().zip(fits).enumerate() {
                 let Some(areas) = &areas else {
-                    vertex.normal = fit.map_or(vertex.normal, |fit| fit.normal);
+                    vertex.normal = fit.map_or(vertex.normal, |(normal, _)| normal);
                     continue;
                 };
                 let mean = areas[v].normalize_or(vertex.normal);
-                let share = fit.as_ref().map_or(0.0, |fit| TOLERANCE.powi(2) / (TOLERANCE.powi(2) + fit.missed));
-                let cubic = fit.map_or(mean, |fit| fit.normal);
+                let (cubic, share) = fit
+                    .map_or((mean, 0.0), |(normal, missed)| (normal, TOLERANCE.powi(2) / (TOLERANCE.powi(2) + missed)));
                 vertex.normal = (share * cubic + (1.0 - share) * mean).normalize_or(mean);
             }
         }
@@ -103,11 +104,12 @@ impl Mesh {
     /// Returns the normal at vertex `v` of the surface z = g₁x + g₂y + a cubic polynomial without a constant, over the
     /// plane through the vertex perpendicular to its normal. The polynomial is fitted to the positions of the vertices
     /// of `ring`, with weights 1/d³, and to the slopes that their normals give there, with weights 1/d²; d is the
-    /// distance in the plane. `None` if the ring does not determine it.
+    /// distance in the plane. Also returns the mean square by which its slope misses those of the neighbors. `None` if the
+    /// ring does not determine it.
     ///
     /// J. Goldfeather & V. Interrante, *A novel cubic-order algorithm for approximating principal direction vectors*,
     /// ACM Trans. Graph. 23 (2004) 45, fit the same polynomial without the linear terms, because they trust the normal.
-    fn fitted(&self, v: usize, ring: &[u32]) -> Option<Fit> {
+    fn fitted(&self, v: usize, ring: &[u32]) -> Option<(DVec3, f64)> {
         if ring.len() < MIN_RING {
             return None;
         }
@@ -142,15 +144,8 @@ impl Mesh {
         let normal = own.normal - right * solved[0] - up * solved[1];
         let missed: f64 = slopes.iter().map(|(row, slope)| (solved.dot(row) - slope).powi(2)).sum();
         let missed = 2.0 * missed / slopes.len() as f64;
-        (normal.is_finite() && missed.is_finite()).then(|| Fit { normal: normal.normalize(), missed })
+        (normal.is_finite() && missed.is_finite()).then(|| (normal.normalize(), missed))
     }
-}
-
-/// The normal from a fitted polynomial.
-struct Fit {
-    normal: DVec3,
-    /// The mean square by which its slope misses those of the neighbors.
-    missed: f64,
 }
 
 /// The fewest neighbors to which a polynomial is fitted.

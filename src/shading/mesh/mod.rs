@@ -10,7 +10,7 @@ mod triangles;
 mod weld;
 mod winding;
 
-pub use build::{MAX_COORDINATE, MeshError, Polygons, triangulated};
+pub use build::{MAX_COORDINATE, Polygons, triangulated};
 pub use estimated::Normals;
 pub use normals::newell;
 pub use paint::{Coat, Paint, PaintedCorner, Texture, Wrap};

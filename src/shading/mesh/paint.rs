@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3, DVec4};
+pub use gltf::texture::WrappingMode as Wrap;
 
 /// What a mesh is painted with. Its colors and textures multiply the diffuse color of the material.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,29 +71,15 @@ pub struct Texture {
     pub wrap: [Wrap; 2],
 }
 
-/// How a texture continues beyond its ends.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Wrap {
-    /// It repeats.
-    #[default]
-    Repeat,
-    /// It repeats, and every other copy is mirrored.
-    Mirror,
-    /// The texels at its ends go on.
-    Clamp,
-}
-
-impl Wrap {
-    /// Returns which of `count` texels is at this place.
-    fn texel(self, at: f64, count: u32) -> usize {
-        let (at, count) = (at as i64, i64::from(count));
-        let texel = match self {
-            Wrap::Repeat => at.rem_euclid(count),
-            Wrap::Mirror => at.rem_euclid(2 * count).min((-1 - at).rem_euclid(2 * count)),
-            Wrap::Clamp => at.clamp(0, count - 1),
-        };
-        texel as usize
-    }
+/// Returns the texel that is shown at texel `at` of `count`, which may be beyond them.
+fn wrapped(wrap: Wrap, at: f64, count: u32) -> usize {
+    let (at, count) = (at as i64, i64::from(count));
+    let texel = match wrap {
+        Wrap::Repeat => at.rem_euclid(count),
+        Wrap::MirroredRepeat => at.rem_euclid(2 * count).min((-1 - at).rem_euclid(2 * count)),
+        Wrap::ClampToEdge => at.clamp(0, count - 1),
+    };
+    texel as usize
 }
 
 impl Texture {
@@ -103,7 +90,7 @@ impl Texture {
         let texel = place * size - 0.5;
         let (low, part) = (texel.floor(), texel - texel.floor());
         let of = |x: f64, y: f64| {
-            let at = down.texel(y, self.height) * self.width as usize + across.texel(x, self.width);
+            let at = wrapped(down, y, self.height) * self.width as usize + wrapped(across, x, self.width);
             DVec3::from_array(self.texels[at].map(f64::from))
         };
         let row = |y: f64| of(low.x, y).lerp(of(low.x + 1.0, y), part.x);

@@ -85,8 +85,11 @@ pub fn mesh(shape: Shape, vertices: usize) -> Result<Mesh, String> {
     match shape {
         Shape::Cube => Ok(cube()),
         Shape::Pyramid => Ok(pyramid()),
-        Shape::Sphere => Ok(sphere(subdivisions(vertices))),
-        Shape::UvSphere => Ok(uv_sphere(parallels(vertices))),
+        Shape::Sphere => Ok(sphere((vertices.saturating_sub(2) as f64 / 10.0).sqrt().round() as usize)),
+        Shape::UvSphere => {
+            let parallels = (1.0 + (1.0 + vertices.saturating_sub(2) as f64 / 3.0).sqrt()) / 2.0;
+            Ok(uv_sphere((parallels.round() as usize).max(MIN_PARALLELS)))
+        }
         Shape::Torus => Ok(torus_of(vertices, 0.0)),
         Shape::JitteredTorus => Ok(torus_of(vertices, 0.35)),
         Shape::Blob => Ok(blob(vertices)),
@@ -132,11 +135,6 @@ pub fn pyramid() -> Mesh {
 
 fn solid(positions: &[DVec3], polygons: &Polygons) -> Mesh {
     Mesh::from_polygons(positions, polygons, 180.0).expect("a solid is a mesh")
-}
-
-/// Returns the number of parts into which each edge of the icosahedron is cut to get about `vertices` vertices.
-fn subdivisions(vertices: usize) -> usize {
-    ((vertices.saturating_sub(2) as f64 / 10.0).sqrt().round() as usize).max(1)
 }
 
 /// Makes the unit sphere: an icosahedron whose edges are cut into s = `subdivisions` parts (at least 1) and whose
@@ -253,12 +251,6 @@ fn round(positions: &[DVec3], triangles: &[[u32; 3]], smooth: Smooth) -> Mesh {
 
 /// The fewest bands between parallels of a sphere.
 const MIN_PARALLELS: usize = 2;
-
-/// Returns the number of bands of a sphere with about `vertices` vertices.
-fn parallels(vertices: usize) -> usize {
-    let exact = (1.0 + (1.0 + vertices.saturating_sub(2) as f64 / 3.0).sqrt()) / 2.0;
-    (exact.round() as usize).max(MIN_PARALLELS)
-}
 
 /// Makes the unit sphere from bands between `parallels` − 1 parallels and the poles, cut along 12·`parallels` meridians.
 fn uv_sphere(parallels: usize) -> Mesh {

@@ -34,14 +34,10 @@ impl Polygons {
         let edges = self.edges();
         let length = |[a, b]: &[u32; 2]| positions[*a as usize].distance(positions[*b as usize]);
         let mut lengths: Vec<f64> = edges.iter().map(|(edge, _)| length(edge)).filter(|length| *length > 0.0).collect();
-        if lengths.is_empty() {
+        lengths.sort_unstable_by(f64::total_cmp);
+        let Some(size) = lengths.get(lengths.len() / 2).copied().filter(|size| size.is_finite()) else {
             return Seams::default();
-        }
-        let middle = lengths.len() / 2;
-        let size = *lengths.select_nth_unstable_by(middle, f64::total_cmp).1;
-        if !size.is_finite() {
-            return Seams::default();
-        }
+        };
         let mut longest: HashMap<u32, f64> = HashMap::new();
         for (edge, _) in &edges {
             for site in edge {

@@ -16,7 +16,7 @@ pub fn weighted(w: [f64; 3], values: [DVec3; 3]) -> DVec3 {
 /// One light value per triangle: the light at its centroid, with the normal of the face. Shoaff §3.4.
 pub fn flat(frame: &Frame, triangle: usize) -> DVec3 {
     let [a, b, c] = frame.corners(triangle).map(|v| v.eye);
-    frame.lit((a + b + c) / 3.0, frame.triangles[triangle].normal)
+    frame.lit((a + b + c) / 3.0, (b - a).cross(c - a).normalize_or_zero())
 }
 
 /// Quadratic light after Mohamed et al., whose shader uses three additional samples of the light per triangle: through

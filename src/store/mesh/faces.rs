@@ -8,10 +8,7 @@ use super::MeshFile;
 
 use crate::{
     light::Transfer,
-    shading::{
-        Mesh, MeshError, Normals, PaintedCorner, Polygons,
-        mesh::{MAX_COORDINATE, Seams},
-    },
+    shading::{Mesh, Normals, PaintedCorner, Polygons},
     store::FileErrors,
 };
 
@@ -77,10 +74,7 @@ impl Faces {
         normals: Normals,
     ) -> Result<MeshFile, FileErrors> {
         let repeated = self.polygons.drop_repeated();
-        let in_range = |position: &DVec3| position.abs().max_element() <= MAX_COORDINATE;
-        let seams =
-            if self.positions.iter().all(in_range) { self.polygons.weld(&self.positions) } else { Seams::default() };
-        // The faces between vertices that were joined have no area.
+        let seams = self.polygons.weld(&self.positions);
         self.is_degenerate |= seams.joined > 0;
         let [reversed, turned, opposed] = self.polygons.unify_winding(&self.positions);
         // Not before the winding is right, which decides to which side they face.
@@ -92,16 +86,11 @@ impl Faces {
         if crease_deg != 180.0 && self.polygons.has_all_normals() {
             self.notes.push("the crease angle has no effect, because every corner has a normal".to_owned());
         }
-        let mesh = Mesh::from_polygons(&self.positions, &self.polygons, crease_deg).map_err(|error| {
-            let message = match error {
-                MeshError::NoTriangles if !self.is_degenerate => format!("has no faces; expected {expected}"),
-                MeshError::NoTriangles | MeshError::NoArea(_) => {
-                    "has no face with a nonzero area; expected at least one".to_owned()
-                }
-                error => error.to_string(),
-            };
-            FileErrors::whole(file, message)
-        })?;
+        if self.polygons.ends.is_empty() && !self.is_degenerate {
+            return Err(FileErrors::whole(file, format!("has no faces; expected {expected}")));
+        }
+        let mesh = Mesh::from_polygons(&self.positions, &self.polygons, crease_deg)
+            .map_err(|message| FileErrors::whole(file, message))?;
         let area = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).length() / 2.0;
         let (area, (_, radius)) =
             ((0..mesh.triangles.len()).map(|i| area(mesh.corners(i))).sum::<f64>(), mesh.bounds());
@@ -134,4 +123,10 @@ pub(super) fn linear(color: DVec3) -> DVec3 {
     // NaN counts as 0.
     let channel = |code: f64| Transfer::Srgb.linear_from_encoded(if code > 0.0 { code.min(1.0) } else { 0.0 });
     DVec3::from_array(color.to_array().map(channel))
+}
+
+/// Returns the triangles of a strip, every other one of which goes around the other way.
+pub(super) fn strip_triangles<T: Copy>(strip: &[T]) -> Vec<[T; 3]> {
+    let turned = |(i, w): (usize, &[T])| if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] };
+    strip.windows(3).enumerate().map(turned).collect()
 }

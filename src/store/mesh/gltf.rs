@@ -20,18 +20,17 @@ use gltf::{
     json::{self, validation::Checked},
     material::AlphaMode,
     mesh::Mode,
-    texture::WrappingMode,
 };
 use percent_encoding::percent_decode_str;
 
 use super::{
     MAX_FILE,
-    faces::Faces,
+    faces::{Faces, strip_triangles},
     texture::{self, MAX_TEXELS, Pixels, TexturePlace},
 };
 use crate::{
     light::Transfer,
-    shading::{Coat, PaintedCorner, Texture, Wrap, mesh::MAX_COORDINATE},
+    shading::{Coat, PaintedCorner, Texture, mesh::MAX_COORDINATE},
     store::{FileErrors, file::read_bytes, table::shortened},
 };
 
@@ -87,15 +86,7 @@ fn read(folder: Option<&Path>, content: &[u8], is_flat: bool) -> Result<Faces, S
         };
         source.buffers.push(bytes);
     }
-    let mut reader = Reader {
-        source,
-        faces: Faces::default(),
-        coats: HashMap::new(),
-        textures: HashMap::new(),
-        texels: MAX_TEXELS,
-        triangles: 0,
-        notes: BTreeSet::new(),
-    };
+    let mut reader = Reader { source, texels: MAX_TEXELS, ..Reader::default() };
     reader.faces.is_flat = is_flat;
     reader.document(&document)?;
     let Reader { mut faces, notes, .. } = reader;
@@ -108,23 +99,19 @@ fn read(folder: Option<&Path>, content: &[u8], is_flat: bool) -> Result<Faces, S
 
 /// Checks the extensions that a file requires, and returns the names of those that are ignored.
 fn extensions(json: &mut json::Root) -> Result<Vec<String>, String> {
-    let is_elsewhere = |index: &json::Index<json::Accessor>| {
-        json.accessors.get(index.value()).is_some_and(|it| it.buffer_view.is_none() && it.sparse.is_none())
-    };
+    // What is compressed but not required has accessors without data, unless the data are there as well.
+    let is_elsewhere = json.accessors.iter().any(|it| it.buffer_view.is_none() && it.sparse.is_none());
     let compressed = |name: &&&str| {
-        let is_required = json.extensions_required.iter().any(|required| required == **name);
-        let mut primitives = json.meshes.iter().flat_map(|mesh| &mesh.primitives);
-        is_required
-            || primitives.any(|primitive| {
-                let is_used = primitive.extensions.as_ref().is_some_and(|all| all.others.contains_key(**name));
-                is_used && primitive.attributes.values().any(is_elsewhere)
-            })
+        let is_in = |names: &[String]| names.iter().any(|other| other == **name);
+        is_in(&json.extensions_required) || is_elsewhere && is_in(&json.extensions_used)
     };
     if let Some(name) = COMPRESSION.iter().find(compressed) {
         return Err(format!(
             "its meshes are compressed with {name}, which machband does not read; expected them without compression, as \"gltf-transform copy in.glb out.glb\" writes them"
         ));
     }
+    let named = json.extensions_used.iter().chain(&json.extensions_required);
+    let ignored: BTreeSet<_> = named.filter(|name| !KNOWN.contains(&name.as_str())).cloned().collect();
     let required = &mut json.extensions_required;
     // The crate does not know that these are read. Of materials, only the base color and the normal map count.
     required.retain(|name| !KNOWN.contains(&name.as_str()) && !name.starts_with("KHR_materials_"));
@@ -135,8 +122,7 @@ fn extensions(json: &mut json::Root) -> Result<Vec<String>, String> {
             KNOWN.join(", ")
         ));
     }
-    let others: BTreeSet<_> = json.extensions_used.iter().filter(|name| !KNOWN.contains(&name.as_str())).collect();
-    Ok(others.into_iter().cloned().collect())
+    Ok(ignored.into_iter().collect())
 }
 
 /// Maximum number of nodes, because finding one takes time that grows with their number.
@@ -163,6 +149,7 @@ fn check(json: &json::Root) -> Result<(), String> {
 }
 
 /// The bytes that a file refers to.
+#[derive(Default)]
 struct Source<'a> {
     folder: Option<&'a Path>,
     buffers: Vec<Vec<u8>>,
@@ -249,14 +236,12 @@ type Vertex = (u32, Option<DVec3>, PaintedCorner);
 fn triangles(mode: Mode, corners: &[usize]) -> Vec<[usize; 3]> {
     match mode {
         Mode::Triangles => corners.as_chunks().0.to_vec(),
-        Mode::TriangleStrip => {
-            let turned = |(i, w): (usize, &[usize])| if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] };
-            corners.windows(3).enumerate().map(turned).collect()
-        }
+        Mode::TriangleStrip => strip_triangles(corners),
         _ => corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]]).collect(),
     }
 }
 
+#[derive(Default)]
 struct Reader<'a> {
     source: Source<'a>,
     faces: Faces,
@@ -439,11 +424,7 @@ impl Reader<'_> {
         }
         let texture = |pixels: &Pixels, given: &gltf::Texture<'_>, of: &dyn Fn([u8; 3]) -> [f32; 3]| {
             let texels = pixels.codes.iter().map(|code| of(*code)).collect();
-            let wrap = [given.sampler().wrap_s(), given.sampler().wrap_t()].map(|mode| match mode {
-                WrappingMode::Repeat => Wrap::Repeat,
-                WrappingMode::MirroredRepeat => Wrap::Mirror,
-                WrappingMode::ClampToEdge => Wrap::Clamp,
-            });
+            let wrap = [given.sampler().wrap_s(), given.sampler().wrap_t()];
             Arc::new(Texture { width: pixels.width, height: pixels.height, texels, wrap })
         };
         let mut coat = Coat::default();

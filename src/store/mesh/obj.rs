@@ -87,57 +87,70 @@ impl Reader {
             let column = String::from_utf8_lossy(&line[..error.valid_up_to()]).chars().count() + 1;
             FileError::at(file, (number, column), "is not UTF-8 text; expected numbers")
         })?;
-        let statement = Statement { file, number, text };
         // A comment may follow the numbers.
         let words = text.split_ascii_whitespace().skip(1);
         let words = words.take_while(|word| !word.starts_with('#'));
         let words: Vec<&str> = words.take(MAX_CORNERS + 1).collect();
-        match keyword {
-            b"v" => {
-                let vertex = statement.vertex(&words);
-                // An invalid vertex is counted too, so that later indices stay correct.
-                self.vertices.push(*vertex.as_ref().unwrap_or(&DVec3::ZERO));
-                if let [_, _, _, color @ ..] = &words[..]
-                    && color.len() >= 3
-                {
-                    let color = statement.three_numbers(color)?;
-                    self.colors.resize(self.vertices.len() - 1, DVec3::ONE);
-                    self.colors.push(color);
-                }
-                vertex.map(drop)
-            }
+        let read = match keyword {
+            b"v" => self.vertex(text, &words),
             b"vn" => {
-                let normal = statement.three_numbers(&words);
+                let normal = three_numbers(text, &words);
                 self.normals.push(normal.as_ref().ok().and_then(|normal| normal.try_normalize()));
                 if self.normals.ends_with(&[None]) {
                     self.notes.insert("normals that are zero or not finite were estimated");
                 }
                 normal.map(drop)
             }
-            _ => self.face(&statement, &words),
+            _ => self.face(text, &words),
+        };
+        read.map_err(|(word, message)| {
+            let offset = (word.as_ptr() as usize).saturating_sub(text.as_ptr() as usize);
+            let column = text.get(..offset).unwrap_or_default().chars().count() + 1;
+            FileError::at(file, (number, column), message)
+        })
+    }
+
+    /// Reads `x y z`, perhaps followed by a weight, which only curves use, or a color.
+    fn vertex<'a>(&mut self, text: &'a str, words: &[&'a str]) -> Result<(), Fault<'a>> {
+        let vertex = three_numbers(text, words);
+        // An invalid vertex is counted too, so that later indices stay correct.
+        self.vertices.push(*vertex.as_ref().unwrap_or(&DVec3::ZERO));
+        if let [_, _, _, color @ ..] = words
+            && color.len() >= 3
+        {
+            let color = three_numbers(text, color)?;
+            self.colors.resize(self.vertices.len() - 1, DVec3::ONE);
+            self.colors.push(color);
+        }
+        match vertex?.to_array().iter().zip(words).find(|(x, _)| x.is_nan() || x.abs() > MAX_COORDINATE) {
+            Some((_, word)) => {
+                let what = "is not finite or is beyond ±1e30; expected a finite coordinate";
+                Err((word, format!("{:?} {what}", shortened(word))))
+            }
+            None => Ok(()),
         }
     }
 
-    fn face(&mut self, statement: &Statement<'_>, words: &[&str]) -> Result<(), FileError> {
+    fn face<'a>(&mut self, text: &'a str, words: &[&'a str]) -> Result<(), Fault<'a>> {
         if !(3..=MAX_CORNERS).contains(&words.len()) {
             let more = if words.len() > MAX_CORNERS { " or more" } else { "" };
             let message = format!("the number of corners is {}{more}; expected 3…{MAX_CORNERS}", words.len());
-            return Err(statement.error(statement.text.trim_ascii_start(), message));
+            return Err((text.trim_ascii_start(), message));
         }
-        for word in words {
+        for &word in words {
             let mut parts = word.split('/');
-            let vertex = self.index(statement, word, 0, parts.next().unwrap_or_default())?;
+            let vertex = self.index(word, 0, parts.next().unwrap_or_default())?;
             let texture = parts.next().unwrap_or_default();
             let normal = parts.next().filter(|normal| !normal.is_empty());
             if parts.next().is_some() || !(texture.is_empty() || texture.parse::<i64>().is_ok()) {
-                return Err(statement.not_a_corner(word));
+                return Err(not_a_corner(word));
             }
             let normal = match normal {
                 Some(index) if self.counts[1] == 0 && index.parse::<i64>().is_ok() => {
                     self.notes.insert("normals were ignored that faces name but the file does not have");
                     None
                 }
-                normal => normal.map(|normal| self.index(statement, word, 1, normal)).transpose()?,
+                normal => normal.map(|normal| self.index(word, 1, normal)).transpose()?,
             };
             self.corners.push((vertex, normal));
         }
@@ -146,8 +159,8 @@ impl Reader {
     }
 
     /// Returns the index, counted from 0, that `text` refers to. `text` is a part of `word`.
-    fn index(&self, statement: &Statement<'_>, word: &str, kind: usize, text: &str) -> Result<usize, FileError> {
-        let given: i64 = text.parse().map_err(|_| statement.not_a_corner(word))?;
+    fn index<'a>(&self, word: &'a str, kind: usize, text: &str) -> Result<usize, Fault<'a>> {
+        let given: i64 = text.parse().map_err(|_| not_a_corner(word))?;
         let (above, count) = ([self.vertices.len(), self.normals.len()][kind], self.counts[kind]);
         // Indices count up from 1, or back from -1.
         let found = usize::try_from(given.unsigned_abs()).unwrap_or(usize::MAX);
@@ -159,7 +172,7 @@ impl Reader {
             _ => format!("; expected 1…{count}"),
         };
         let name = ["vertex", "normal"][kind];
-        Err(statement.error(word, format!("{name} {given} does not exist{problem}")))
+        Err((word, format!("{name} {given} does not exist{problem}")))
     }
 
     fn faces(self) -> Faces {
@@ -167,12 +180,9 @@ impl Reader {
         faces.notes.extend(self.notes.into_iter().map(str::to_owned));
         // Some programs write the codes of 8 bits.
         let most = self.colors.iter().map(|color| color.max_element()).fold(0.0, f64::max);
-        let scale = if most > 1.0 {
-            faces.notes.push("colors above 1 are taken as codes of 8 bits".to_owned());
-            1.0 / 255.0
-        } else {
-            1.0
-        };
+        let codes = (most > 1.0).then(|| "colors above 1 are taken as codes of 8 bits".to_owned());
+        let scale = if codes.is_some() { 1.0 / 255.0 } else { 1.0 };
+        faces.notes.extend(codes);
         let coat = (!self.colors.is_empty()).then_some(0);
         let mut start = 0;
         for end in self.ends {
@@ -194,47 +204,21 @@ impl Reader {
     }
 }
 
-struct Statement<'a> {
-    file: &'a str,
-    number: usize,
-    text: &'a str,
+/// A word of a line, and what is wrong with it.
+type Fault<'a> = (&'a str, String);
+
+fn three_numbers<'a>(text: &'a str, words: &[&'a str]) -> Result<DVec3, Fault<'a>> {
+    let [x, y, z, ..] = words else {
+        let message = format!("the line has too few numbers ({}); expected three", words.len());
+        return Err((text.trim_ascii_start(), message));
+    };
+    let number = |word: &&'a str| {
+        let wrong = |_| (*word, format!("{:?} is not a number; expected one", shortened(word)));
+        word.parse().map_err(wrong)
+    };
+    Ok(DVec3::new(number(x)?, number(y)?, number(z)?))
 }
 
-impl Statement<'_> {
-    /// Creates an error about `word`, which is a part of the text.
-    fn error(&self, word: &str, message: String) -> FileError {
-        let offset = (word.as_ptr() as usize).saturating_sub(self.text.as_ptr() as usize);
-        let column = self.text.get(..offset).unwrap_or_default().chars().count() + 1;
-        FileError::at(self.file, (self.number, column), message)
-    }
-
-    /// Parses `x y z`, perhaps followed by a weight, which only curves use, or a color.
-    fn vertex(&self, words: &[&str]) -> Result<DVec3, FileError> {
-        let vertex = self.three_numbers(words)?;
-        match vertex.to_array().iter().position(|x| x.is_nan() || x.abs() > MAX_COORDINATE) {
-            Some(k) => {
-                let message =
-                    format!("{:?} is not finite or is beyond ±1e30; expected a finite coordinate", shortened(words[k]));
-                Err(self.error(words[k], message))
-            }
-            None => Ok(vertex),
-        }
-    }
-
-    fn three_numbers(&self, words: &[&str]) -> Result<DVec3, FileError> {
-        let [x, y, z, ..] = words else {
-            let message = format!("the line has too few numbers ({}); expected three", words.len());
-            return Err(self.error(self.text.trim_ascii_start(), message));
-        };
-        Ok(DVec3::new(self.number(x)?, self.number(y)?, self.number(z)?))
-    }
-
-    fn number(&self, word: &str) -> Result<f64, FileError> {
-        word.parse().map_err(|_| self.error(word, format!("{:?} is not a number; expected one", shortened(word))))
-    }
-
-    fn not_a_corner(&self, word: &str) -> FileError {
-        let message = format!("{:?} is not a corner of a face; expected 1, 1/1, 1//1 or 1/1/1", shortened(word));
-        self.error(word, message)
-    }
+fn not_a_corner(word: &str) -> Fault<'_> {
+    (word, format!("{:?} is not a corner of a face; expected 1, 1/1, 1//1 or 1/1/1", shortened(word)))
 }

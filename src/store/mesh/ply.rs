@@ -11,7 +11,7 @@ use ply_rs_bw::{
     ply::{ElementDef, Encoding, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType},
 };
 
-use super::faces::{Faces, MAX_CORNERS, linear};
+use super::faces::{Faces, MAX_CORNERS, linear, strip_triangles};
 use crate::{
     shading::{Coat, PaintedCorner, mesh::MAX_COORDINATE},
     store::{FileError, FileErrors, table::shortened},
@@ -227,10 +227,7 @@ impl PlyMesh {
     /// Adds triangle strips; −1 ends a strip.
     fn strips(&mut self, Element { corners, .. }: &Element) -> Result<(), String> {
         for strip in corners.as_deref().unwrap_or_default().split(|index| *index == -1) {
-            for (i, w) in strip.windows(3).enumerate() {
-                let triangle = if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] };
-                self.polygon(&triangle)?;
-            }
+            strip_triangles(strip).iter().try_for_each(|triangle| self.polygon(triangle))?;
         }
         Ok(())
     }

@@ -89,7 +89,7 @@ impl Recorded {
         let (sidecar_path, sidecar_text) = (csv.with_extension("json"), text?);
         let sidecar = Sidecar::parse(&sidecar_path, &sidecar_text)?;
         let protocol = definition::from_json(&sidecar_path.display().to_string(), &sidecar.definition)?;
-        let schedule = Schedule::new(&protocol, &identity, sidecar.seed)
+        let course = Course::new(&protocol, &identity, sidecar.seed)
             .map_err(|error| FileErrors::whole(&sidecar_path, error.to_string()))?;
         let (data, columns) = (results::content(csv)?, columns(&protocol));
         let hashes = Hashes::read(csv, &sidecar, Some(&data))?;
@@ -101,7 +101,7 @@ impl Recorded {
         // Rows that cannot be read say nothing about whether the file is the one that was sealed.
         let rows = results::parse(&csv.display().to_string(), &whole, &columns)
             .map_err(|FileErrors(errors)| FileErrors([errors, changed.clone()].concat()))?;
-        let course = Course::new(protocol.clone(), schedule.clone());
+        let schedule = course.schedule().clone();
         let (replays, _) = replay(csv, course, (&identity, &sidecar), &rows);
         Ok(Self {
             changed,

@@ -13,7 +13,7 @@ use super::{
     sidecar::{REPAIRED, Sidecar},
 };
 use crate::{
-    experiment::{Column, Course, Identity, Protocol, Replay, Schedule, TrialRecord, columns},
+    experiment::{Column, Course, Identity, Protocol, Replay, TrialRecord, columns},
     store::{
         FileErrors, StoreError,
         error::io,
@@ -88,8 +88,7 @@ fn sort(
 ) -> Result<(Repaired, Vec<u8>, Vec<u8>), FileErrors> {
     let mismatch = |what: String| FileErrors::whole(csv, what);
     let seed = sidecar.seed;
-    let schedule = Schedule::new(protocol, identity, seed).map_err(|error| mismatch(error.to_string()))?;
-    let course = Course::new(protocol.clone(), schedule);
+    let course = Course::new(protocol, identity, seed).map_err(|error| mismatch(error.to_string()))?;
     let count = content.iter().filter(|byte| **byte == b'\n').count();
     let empty = content.windows(2).filter(|pair| *pair == b"\n\n").count();
     if 2 * empty > count {

@@ -10,7 +10,7 @@ use super::{
     sidecar::{FrameSummary, Seal, Sidecar, Sitting, missing},
 };
 use crate::{
-    experiment::{Answers, Course, Identity, Protocol, Replay, Resumed, Schedule, TrialRecord, columns},
+    experiment::{Answers, Course, Identity, Protocol, Replay, Resumed, TrialRecord, columns},
     stimulus::Stimulus,
     store::{
         FileError, FileErrors, StoreError, definition,
@@ -432,8 +432,7 @@ impl Found {
             return Err(StoreError::Altered(FileErrors(errors.collect())));
         }
         let mismatch = |what: String| FileErrors::whole(&paths.csv, what);
-        let schedule = Schedule::new(protocol, identity, sidecar.seed).map_err(|error| mismatch(error.to_string()))?;
-        let course = Course::new(protocol.clone(), schedule);
+        let course = Course::new(protocol, identity, sidecar.seed).map_err(|error| mismatch(error.to_string()))?;
         let mut anywhere = Replay::new(identity, course.clone(), true);
         let (replays, course) = replay(&paths.csv, course, (identity, &sidecar), &recovered);
         if let Some(first) = replays.errors.first().filter(|_| recovered.iter().all(|row| anywhere.row(row).is_err())) {

@@ -53,7 +53,7 @@ pub struct Pictures {
 impl Pictures {
     /// Returns their width and height in pixels.
     pub fn size(&self) -> [u32; 2] {
-        [self.frame.width, self.frame.height]
+        [self.frame.view.width, self.frame.view.height]
     }
 
     /// Returns the pictures of `compared`, or `before` if it is up to date.
@@ -168,7 +168,7 @@ impl Scan {
     /// Returns the curves along a line.
     pub fn new(pictures: &Pictures, line: [Pos2; 2]) -> Self {
         let (frame, compared) = (&pictures.frame, &pictures.compared);
-        let size = DVec2::new(f64::from(frame.width), f64::from(frame.height));
+        let size = DVec2::new(f64::from(frame.view.width), f64::from(frame.view.height));
         let ends = line.map(|end| DVec2::new(f64::from(end.x), f64::from(end.y)) * size);
         let length = ends[0].distance(ends[1]);
         let count = (length * DENSITY).clamp(0.0, MAX_SAMPLES) as usize;
