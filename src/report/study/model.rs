@@ -286,9 +286,10 @@ fn tests(section: &mut Section, results: &Results, report: &ModelReport) {
         .number("p", |(.., p)| probability(p[0]))
         .number("Corrected p", |(.., p)| probability(p[1]))
         .add_to(section);
-    let mut withheld: Vec<(usize, Withheld)> =
-        rows.iter().filter_map(|(kind, test, _)| Some((*kind, test.withheld?))).collect();
-    withheld.dedup();
+    let mut withheld: Vec<(usize, Withheld)> = Vec::new();
+    for own in rows.iter().filter_map(|(kind, test, _)| Some((*kind, test.withheld?))) {
+        withheld.extend((!withheld.contains(&own)).then_some(own));
+    }
     for (kind, reason) in withheld {
         let own = rows.iter().filter(|(own, test, _)| *own == kind && test.withheld == Some(reason));
         let terms: Vec<String> = own.map(|(_, test, _)| names::term(results, &test.term)).collect();
