@@ -119,6 +119,13 @@ pub(super) fn interaction(results: &Results, found: &Dependence<'_>) -> Option<S
             let is_compared = found.is_modeled && number.is_none();
             text += &simple_effects(results, of, at, is_compared.then_some(comparisons));
         }
+        ([.., at], _) if found.names.len() > 2 => {
+            let level = &at.levels[0].names[0];
+            text += &format!(
+                " To describe how, analyze each level of one of them, for example with --only {}={level}.",
+                at.name
+            );
+        }
         _ => {}
     }
     Some(text)
