@@ -3,7 +3,7 @@
 use super::tables::count_columns;
 use crate::{
     analysis::{
-        Model, RandomEffect, Results, find_factor,
+        Model, Note, RandomEffect, Results, find_factor,
         terms::{Term, Variable},
     },
     store::ratings::Shape,
@@ -147,7 +147,13 @@ impl<'a> Names<'a> {
             }
             lines.push(match variable {
                 Variable::Factor(_) => {
-                    format!("{name} = factor({cells}, levels = {})", strings(&factor.levels))
+                    let baseline = model.notes.iter().find_map(|note| match note {
+                        Note::Rebased { factor: own, baseline, .. } if *own == factor.name => Some(baseline),
+                        _ => None,
+                    });
+                    let mut levels: Vec<&String> = factor.levels.iter().collect();
+                    levels.sort_by_key(|level| Some(*level) != baseline);
+                    format!("{name} = factor({cells}, levels = {})", strings(&levels))
                 }
                 Variable::Number(_) => {
                     centered += &format!(

@@ -312,7 +312,7 @@ fn assert_same_in_r(out: &Path, call: &str, name: &str) {
     }
 }
 
-/// The script calls R as the report says, and R finds the log-likelihood of the model.
+/// The script fits the model of the analysis, and R finds its log-likelihood.
 #[test]
 fn the_script_finds_the_same_numbers_in_r() {
     let folder = study("quick", 8);

@@ -11,7 +11,6 @@ use crate::{
         Results,
         counts::{Excluded, Part},
     },
-    display::Monitor,
     report::document::{Section, Shown, TableOf, count, list, whole},
     store::{
         ratings::{FileRead, Reason, SessionRead, Source},
@@ -85,7 +84,7 @@ fn screens(section: &mut Section, source: &Source, results: &Results) {
             ("program", json!(sitting.program)),
             ("observer", json!(sitting.observer.as_ref().map(SimulatedObserver::name))),
             ("display profile", json!(sitting.display)),
-            ("monitor", json!(sitting.monitor.as_ref().map(Monitor::title))),
+            ("monitor", json!(sitting.monitor.as_ref().map(|own| (own.title(), own.refresh_hz.map(f64::round))))),
             ("viewing distance", json!(sitting.viewing.as_ref().map(|viewing| viewing.distance_cm))),
         ] {
             settings.entry(name).or_default().insert(value.to_string());

@@ -84,6 +84,9 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
     if results.populations.is_empty() && results.beyond.is_empty() {
         let of_person = |function: &PersonFunction| {
             let (who, of) = (&study.people[function.person], study.at(function.condition));
+            if let Err(error) = &function.fit {
+                return Some(format!("{who}: there is no threshold of {name}{of}: {error}."));
+            }
             let fit = function.described()?;
             let level = level(common, Some(fit.threshold));
             let interval = with_interval(Some(fit.threshold), &level);

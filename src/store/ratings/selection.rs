@@ -325,7 +325,10 @@ fn kind(file: &Input, options: &ReadOptions) -> Result<String, FileError> {
                     format!("definition {}", hash.get(..12).unwrap_or(hash))
                 }
                 None if file.experiment().is_none() => return Ok(UNKNOWN.to_owned()),
-                None => "no sidecar".to_owned(),
+                None => match file.other_columns(options).join(", ") {
+                    other if other.is_empty() => "no sidecar".to_owned(),
+                    other => format!("no sidecar; additional columns {other}"),
+                },
             };
             let name = file.experiment().unwrap_or("without a name");
             Ok(format!("a session of the experiment {name} ({details})"))
