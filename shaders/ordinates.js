@@ -71,19 +71,26 @@ export function curvature({ positions, normals, triangles }) {
   const opposite = twins(triangles, positions.length / 3), faces = facesOf(positions, normals, triangles);
   const { points, vertices } = pointsOf(positions, triangles, opposite, faces), count = vertices.length;
   const tensors = tensorsOf(normals, points, vertices, faces), sides = sidesOf(points, opposite, tensors);
-  const starts = new Uint32Array(count + 1), ring = new Uint32Array(4 * points.length);
-  const across = count === positions.length / 3 ? opposite : twins(points, count);
-  for (const p of points) starts[p + 1]++;
+  const around = rings({ vertices, triangles: points }, count === positions.length / 3 ? opposite : undefined);
+  return { vertices, tensors, triangles: points, sides, ...around };
+}
+
+// Returns `starts` and `ring` alone, around the vertices of a mesh or the points of what curvature() returns. `across` is
+// what twins() returns, if it is known.
+export function rings({ positions, vertices, triangles }, across) {
+  const count = vertices?.length ?? positions.length / 3, opposite = across ?? twins(triangles, count);
+  const starts = new Uint32Array(count + 1), ring = new Uint32Array(4 * triangles.length);
+  for (const p of triangles) starts[p + 1]++;
   for (let p = 0; p < count; p++) starts[p + 1] += starts[p];
   const at = starts.slice();
-  points.forEach((p, h) => {
-    const beyond = across[next(h)];
+  triangles.forEach((p, h) => {
+    const beyond = opposite[next(h)];
     const i = 4 * at[p]++;
-    ring[i] = points[next(h)];
-    ring[i + 1] = points[previous(h)];
-    ring[i + 2] = beyond < 0 ? p : points[beyond];
+    ring[i] = triangles[next(h)];
+    ring[i + 1] = triangles[previous(h)];
+    ring[i + 2] = beyond < 0 ? p : triangles[beyond];
   });
-  return { vertices, tensors, triangles: points, sides, starts, ring };
+  return { starts, ring };
 }
 
 // The corners before and after corner h = 3 t + k of triangle t. Edge h is opposite corner h, from next(h) to previous(h).

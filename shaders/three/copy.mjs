@@ -1,5 +1,5 @@
 // Writes what the package needs from the folders above: ordinates.js, the licenses, and parts of ../glsl_es as strings in
-// glsl.js, because a package has no files beside it. npm runs it before it packs, starts or tests.
+// glsl.js, because a package has no files beside it. npm runs it before it packs or tests.
 
 import { copyFileSync, readFileSync, writeFileSync } from "node:fs";
 

@@ -190,13 +190,15 @@ impl TransferTable {
     /// Returns an error if the columns differ in length, or if one of them does not rise from 0 to 1 at every step (NaN
     /// included).
     pub fn new(encoded: Vec<f64>, linear: Vec<f64>) -> Result<Self, String> {
-        let rises = |values: &[f64]| {
-            let is_whole = values.first() == Some(&0.0) && values.last() == Some(&1.0);
-            is_whole && values.windows(2).all(|pair| pair[0] < pair[1])
-        };
-        if encoded.len() != linear.len() || !rises(&encoded) || !rises(&linear) {
-            let expected = "expected two lists of one length that rise from 0 to 1, relative to the display's range";
+        let expected = "expected two lists of one length that rise from 0 to 1, relative to the display's range";
+        let is_whole = |values: &[f64]| values.first() == Some(&0.0) && values.last() == Some(&1.0);
+        if encoded.len() != linear.len() || !is_whole(&encoded) || !is_whole(&linear) {
             return Err(format!("encoded and linear are no table; {expected}"));
+        }
+        for (name, values) in [("encoded", &encoded), ("linear", &linear)] {
+            if let Some(at) = (1..values.len()).find(|at| values[*at].is_nan() || values[*at] <= values[at - 1]) {
+                return Err(format!("{name} value {} at index {at} does not rise; {expected}", values[at]));
+            }
         }
         Ok(Self { encoded, linear })
     }

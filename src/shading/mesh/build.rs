@@ -165,7 +165,7 @@ impl Mesh {
     /// sides differ.
     ///
     /// # Errors
-    /// Returns a [`MeshError`] if the polygons do not form a mesh.
+    /// The same errors as [`Mesh::new`].
     pub fn from_polygons(positions: &[DVec3], polygons: &Polygons, crease_deg: f64) -> Result<Mesh, String> {
         // NaN does not count as within.
         let within = |p: &DVec3| p.to_array().iter().all(|x| x.abs() <= MAX_COORDINATE);
