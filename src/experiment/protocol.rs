@@ -42,7 +42,6 @@ impl Deref for Protocol {
     }
 }
 
-/// The definition determines the conditions.
 impl Protocol {
     /// Checks a definition.
     ///

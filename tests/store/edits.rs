@@ -300,7 +300,7 @@ fn seen(results: &Path, renderer: &mut recorded::Renderer) -> [bool; 5] {
 
 /// The edits that some command does not notice: their names (after an asterisk, the end of the names), the commands
 /// that do not notice them, and why that is right. Without a seal, other rules apply; see [`PLANNED`].
-const STATED: [(&[&str], &[&str], &str); 9] = [
+const STATED: [(&[&str], &[&str], &str); 10] = [
     (
         &["data.json without its last byte", "data.json with another line end"],
         &WHO,
@@ -333,11 +333,7 @@ const STATED: [(&[&str], &[&str], &str); 9] = [
         &WHO,
         "People may describe their data set.",
     ),
-    (
-        &["data.csv deleted"],
-        &["check", "export"],
-        "They read the data files that exist; an export notes which sidecars have none.",
-    ),
+    (&["data.csv deleted"], &["export"], "It reads the data files that exist, and notes which sidecars have none."),
     (
         &["all files deleted"],
         &["check", "analyze", "export"],
@@ -354,8 +350,13 @@ const STATED: [(&[&str], &[&str], &str); 9] = [
         "It takes the participant from the rows, which are unchanged.",
     ),
     (
-        &["data.json copied to a new session", "frames.csv copied to a new session"],
+        &["data.json copied to a new session"],
         &["check", "resume", "export"],
+        "It belongs to no data file and is not read; an export notes it.",
+    ),
+    (
+        &["frames.csv copied to a new session"],
+        &["resume", "export"],
         "They belong to no data file and are not read; an export notes them.",
     ),
 ];

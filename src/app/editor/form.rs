@@ -265,7 +265,7 @@ impl DefinitionForm {
         for name in self.draft.keys(table) {
             let key = format!("{table}.{name}");
             let parameter = self.parameters().iter().find(|parameter| parameter.name == name);
-            let about = parameter.map_or("", |parameter| parameter.description);
+            let about = parameter.map_or_else(String::new, |p| format!("{}: {}", p.description, p.expected));
             let words = names::factor(Some(self.parameters()), &name);
             let label = if removed.is_empty() { self.factor(&name) } else { format!("{field}{words}") };
             let (mut text, error) = (self.value(&key, ""), self.error(&key));
@@ -273,7 +273,7 @@ impl DefinitionForm {
                 let width = (ui.available_width() - 100.0).clamp(120.0, 300.0);
                 // A long list wraps.
                 let edit = TextEdit::multiline(&mut text).id_salt(&key).desired_rows(1).desired_width(width);
-                let edit = ui.add(edit.return_key(None)).on_hover_text(about);
+                let edit = ui.add(edit.return_key(None)).on_hover_text(&about);
                 let edit = if removed.is_empty() {
                     ui::text::name(ui, &edit, &format!("{field}{words}"));
                     edit

@@ -57,7 +57,7 @@ pub fn parameter(ui: &mut Ui, column: f32, parameter: &'static Parameter, text: 
     let mut line = |ui: &mut Ui, label| {
         let room = ui.available_width().min(CONTROL) - LIST - ui.spacing().item_spacing.x;
         let edit = TextEdit::singleline(text).id_salt(("field", parameter.name)).desired_width(room);
-        ui.add(edit).labelled_by(label).on_hover_text(parameter.description);
+        ui.add(edit).labelled_by(label).on_hover_text(format!("{}: {}", parameter.description, parameter.expected));
         let list = ComboBox::from_id_salt(parameter.name).selected_text("").width(ARROW);
         let list = list.show_ui(ui, |ui| {
             for level in parameter.levels_hint {

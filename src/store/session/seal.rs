@@ -87,9 +87,9 @@ impl Hashes {
         self.frames.as_ref()?.whole.as_deref()
     }
 
-    /// Returns every difference from the seals and the index of its sitting, in the order of the sittings: the data file `csv`, the sidecar and the
-    /// frames file. The seal of the last sitting covers the whole files, and the seals of earlier sittings cover their
-    /// beginnings. Every sitting that ended must have a seal.
+    /// Returns every difference from the seals with the index of its sitting, in the order of the sittings: the data file
+    /// `csv`, the sidecar and the frames file. The seal of the last sitting covers the whole files, and the seals of earlier
+    /// sittings cover their beginnings. Every sitting that ended must have a seal.
     pub fn differences(&self, csv: &Path, sidecar: &Sidecar) -> Vec<(usize, FileError)> {
         let [sidecar_path, frames] = [SIDECAR_SUFFIX, FRAMES_SUFFIX].map(|suffix| beside(csv, suffix));
         let last = sidecar.sittings.len().saturating_sub(1);
