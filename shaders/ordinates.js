@@ -66,19 +66,19 @@ export function welded(positions, normals, index) {
 //                      corner and from each corner to the previous one
 // starts, ring         where the triangles around each point are: for i from starts[p] to starts[p + 1] − 1, ring[4 i] and
 //                      ring[4 i + 1] follow and precede p in one of its triangles; ring[4 i + 2] is the third point of the
-//                      triangle across the edge to the one that precedes, or p
+//                      triangle of p across the edge to the one that precedes, or p
 export function curvature({ positions, normals, triangles }) {
   const opposite = twins(triangles, positions.length / 3), faces = facesOf(positions, normals, triangles);
-  const { points, vertices } = pointsOf(positions, triangles, opposite, faces), count = vertices.length;
+  const { points, vertices } = pointsOf(positions, triangles, opposite, faces);
   const tensors = tensorsOf(normals, points, vertices, faces), sides = sidesOf(points, opposite, tensors);
-  const around = rings({ vertices, triangles: points }, count === positions.length / 3 ? opposite : undefined);
-  return { vertices, tensors, triangles: points, sides, ...around };
+  return { vertices, tensors, triangles: points, sides, ...rings({ vertices, triangles: points }, opposite) };
 }
 
 // Returns `starts` and `ring` alone, around the vertices of a mesh or the points of what curvature() returns. `across` is
-// what twins() returns, if it is known.
+// what twins() returns for the vertices, if it is known.
 export function rings({ positions, vertices, triangles }, across) {
-  const count = vertices?.length ?? positions.length / 3, opposite = across ?? twins(triangles, count);
+  const count = vertices?.length ?? positions.length / 3;
+  const opposite = across ?? twins(vertices ? triangles.map((p) => vertices[p]) : triangles, count);
   const starts = new Uint32Array(count + 1), ring = new Uint32Array(4 * triangles.length);
   for (const p of triangles) starts[p + 1]++;
   for (let p = 0; p < count; p++) starts[p + 1] += starts[p];
@@ -88,7 +88,7 @@ export function rings({ positions, vertices, triangles }, across) {
     const i = 4 * at[p]++;
     ring[i] = triangles[next(h)];
     ring[i + 1] = triangles[previous(h)];
-    ring[i + 2] = beyond < 0 ? p : triangles[beyond];
+    ring[i + 2] = beyond >= 0 && triangles[next(beyond)] === p ? triangles[beyond] : p;
   });
   return { starts, ring };
 }
@@ -305,8 +305,8 @@ export function coefficients(
       if (!isDrawn(p, ring[i], ring[i + 1])) continue;
       for (const other of [ring[i], ring[i + 1]]) {
         const x = places[other][0] - places[p][0], y = places[other][1] - places[p][1];
-        if (counted[other] === p || !(x * x + y * y > 0)) continue;
-        counted[other] = p;
+        if (counted[vertices[other]] === p || !(x * x + y * y > 0)) continue;
+        counted[vertices[other]] = p;
         observe(x, y, minus(units[other], normal), 1 / (x * x + y * y));
       }
     }

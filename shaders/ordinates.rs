@@ -99,15 +99,15 @@ impl Surface {
 
     /// Returns what the passes on the card need to find the triangles around each point: where the list of each point
     /// starts, with the end of the last; and for each triangle in a list, the points that follow and precede, and the third
-    /// point of the triangle across the edge to the one that precedes, or the point itself.
+    /// point of the point's triangle across the edge to the one that precedes, or the point itself.
     pub fn rings(&self) -> (Vec<u32>, Vec<[u32; 4]>) {
         let (mut starts, mut lists) = (vec![0], vec![Vec::new(); self.positions.len()]);
-        for (t, across) in self.triangles.iter().zip(neighbors(&self.triangles)) {
+        let vertices: Vec<_> = self.triangles.iter().map(|t| t.map(|point| self.vertices[point as usize])).collect();
+        for (t, across) in self.triangles.iter().zip(neighbors(&vertices)) {
             for k in 0..3 {
-                let beyond = match across[(k + 1) % 3] {
-                    NONE => t[k],
-                    corner => self.triangles[corner as usize / 3][corner as usize % 3],
-                };
+                let corner = across[(k + 1) % 3] as usize;
+                let other = self.triangles.get(corner / 3).filter(|other| other[(corner + 1) % 3] == t[k]);
+                let beyond = other.map_or(t[k], |other| other[corner % 3]);
                 lists[t[k] as usize].push([t[(k + 1) % 3], t[(k + 2) % 3], beyond, 0]);
             }
         }
