@@ -314,7 +314,7 @@ export function coefficients(
     for (let i = 0; i < 9; i++) sum[i] *= weight;
     // Two steps on the surface: across the line of sight, which gives the scale, and away from the eye.
     const toward = P[15] === 1 ? [0, 0, 1] : unit(scaled(eyes[p], -1)), across = perpendicular(normal, toward);
-    const pixels = Math.hypot(...moved(clips[p], perpendicular(toward, normal)));
+    const [dx, dy] = moved(clips[p], perpendicular(toward, normal)), pixels = Math.sqrt(dx * dx + dy * dy);
     const facing = Math.min(Math.max(dot(normal, toward) / FACING, 0), 1);
     for (const by of [across, cross(normal, across)]) {
       // The change of the unit normal for the step, through the mesh's own axes.
@@ -330,7 +330,7 @@ export function coefficients(
       return trace > 0 ? [right / trace, up / trace] : [0, 0];
     });
   };
-  const slopes = [];
+  const slopes = new Array(vertices.length);
   for (let h = 0; h < triangles.length; h += 3) {
     const ps = vector(triangles, h / 3);
     if (!isDrawn(...ps)) {
