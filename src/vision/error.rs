@@ -14,10 +14,10 @@ pub enum VisionError {
     TooSmall { width: usize, height: usize },
     /// The number of pixels per degree is not a positive number, or is so large that the surround does not fit into
     /// memory.
-    #[error("{0:e} pixels per degree; expected a number above 0 and at most {MAX_PX_PER_DEG}")]
+    #[error("{} pixels per degree; expected a number above 0 and at most {MAX_PX_PER_DEG}", told(*.0))]
     Sampling(f64),
     /// The image is wider or higher than the whole field around the eye.
-    #[error("the image extends over {0} degrees; expected at most {MAX_DEG}")]
+    #[error("the image extends over {} degrees; expected at most {MAX_DEG}", told(*.0))]
     Extent(f64),
     /// A light value is negative or not a finite number.
     #[error("light {value} in column {x}, row {y}; expected a number that is not negative")]
@@ -40,6 +40,11 @@ pub enum VisionError {
     /// The image is black everywhere.
     #[error("all black; expected some light")]
     AllBlack,
+}
+
+/// Returns a number with as many digits as people can read.
+fn told(number: f64) -> String {
+    if number < 1e6 { ((number * 1e4).ceil() / 1e4).to_string() } else { format!("{:e}", number.ceil()) }
 }
 
 /// Checks that the values of `light` are valid, that some of them are above 0, and what [`check_extent`] does.

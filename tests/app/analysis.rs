@@ -160,7 +160,7 @@ fn assert_document(window: &mut Window, study: &Study, results: &Results) {
         let place = |row: &Vec<Shown>| (top(&row[0]).unwrap(), row[column].value().as_number().unwrap());
         let mut rows: Vec<(f32, f64)> = table.rows.iter().map(place).collect();
         rows.sort_by(|a, b| a.0.total_cmp(&b.0));
-        assert!(rows.len() > 2, "{rows:?}");
+        assert!(rows.len() > 1, "{rows:?}");
         assert!(rows.is_sorted_by(|a, b| if ascending { a.1 <= b.1 } else { b.1 <= a.1 }), "{rows:?}");
     }
 }
@@ -192,7 +192,7 @@ fn the_window_shows_the_document_and_follows_the_settings() {
     for (terms, expected) in [
         ("width,nothing", "There is no factor nothing. Enter some of width, depth."),
         ("width,,depth", "an empty name"),
-        ("num:width", "rating ~ num_width_c"),
+        ("num:width", "Participants also differ in the effects of width"),
     ] {
         enter_terms(&mut window, terms);
         assert_has(&window, expected);
