@@ -94,7 +94,7 @@ impl Judge {
         // a picture in the middle as its sides are long, where the weights end.
         let images = padded.map(|side| side.min(2));
         let spread = |i: usize| -> f64 {
-            if i % padded[0] == 0 {
+            if i.is_multiple_of(padded[0]) {
                 checkpoint();
             }
             let image = |k: usize| {
