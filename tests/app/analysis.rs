@@ -151,7 +151,8 @@ fn assert_document(window: &mut Window, study: &Study, results: &Results) {
     // The rows of a table are visible and can be sorted by the numbers in a column, first ascending and then descending.
     let blocks = document.sections.iter().flat_map(|section| &section.blocks);
     let tables = blocks.filter_map(|block| if let Block::Table(table) = block { Some(table) } else { None });
-    let mut sorted = tables.filter_map(|table| Some((table, table.header.iter().position(|name| name == "Odds ratio")?)));
+    let mut sorted =
+        tables.filter_map(|table| Some((table, table.header.iter().position(|name| name == "Odds ratio")?)));
     let Some((table, column)) = sorted.next() else { return };
     click(window, "Model");
     for ascending in [true, false] {
