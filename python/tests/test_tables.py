@@ -281,7 +281,7 @@ def test_simulated_stays_simulated(sessions, tmp_path):
     for table, sentence in [
         (rows, said), (merged, said), (old, said), (plain, said), (rows[["subject_id", "width", "rating"]], said),
         (rows.assign(simulated=1), said), (rows.assign(simulated="True"), said),
-        (real, "Some of these data are simulated: the ratings of 1 of 6 participants (S001) come from a program"),
+        (real, "Some of these data are simulated: 24 of 24 ratings of 1 of 6 participants (S001) come from a program"),
         (some, f"Some of these data are simulated: {(real.simulated & some.simulated & main).sum()} of {(real.simulated & main).sum()} "
                "ratings of 1 of 6 participants (S001) come from a program"),
     ]:

@@ -231,11 +231,12 @@ impl Written {
             "unnamed".to_owned()
         });
         let task = self.task.map(|table| task(table, &mut errors)).unwrap_or_default();
-        // A recorded scale has the keys that its labels would have.
-        if !is_recorded && task.dial().is_some() && self.response.keys.take().is_some() {
+        let unused = if task.dial().is_some() { self.response.keys.take() } else { None };
+        let response = scale(self.response, task.scale(), &mut errors);
+        // A definition that was written with all its keys has those that its labels would have.
+        if unused.is_some_and(|keys| !keys.into_iter().eq(response.categories.iter().map(|category| category.key))) {
             errors.add("response.keys", "participants set a value; expected no keys");
         }
-        let response = scale(self.response, task.scale(), &mut errors);
         let mut instructions = self.instructions;
         task.instruct(&mut instructions, &response);
         let protocol = Protocol::new(Definition {
