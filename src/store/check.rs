@@ -64,7 +64,7 @@ pub fn check_large(name_or_path: impl AsRef<Path>, pixels: u64) -> Result<Checke
     let checked = match path.extension().and_then(|extension| extension.to_str()) {
         // The seal of a session is also that of its frames.
         Some("csv") if name.ends_with(FRAMES_SUFFIX) && exists(path)? => {
-            let session = check_session(Path::new(&name.replace(FRAMES_SUFFIX, DATA_FILE)))?;
+            let session = check_session(Path::new(&format!("{}{DATA_FILE}", name.trim_end_matches(FRAMES_SUFFIX))))?;
             Checked { sentence: format!("frames of a {}", session.sentence), ..session }
         }
         Some("csv") => match column_names(path) {
