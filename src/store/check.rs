@@ -68,11 +68,7 @@ pub fn check_large(name_or_path: impl AsRef<Path>, pixels: u64) -> Result<Checke
             Checked { sentence: format!("frames of a {}", session.sentence), ..session }
         }
         Some("csv") => match column_names(path) {
-            Ok(names) if names.first().is_some_and(|name| name == "channel") => {
-                let readings = readings::open(path)?;
-                let channels: Vec<&str> = readings.channels().iter().map(|channel| channel.name()).collect();
-                format!("{} photometer readings, {}", readings.all().len(), channels.join(", ")).into()
-            }
+            Ok(names) if names.first().is_some_and(|name| name == "channel") => check_readings(path)?,
             Ok(names) if names.first().is_some_and(|name| name == "event") => {
                 format!("{} visual matches of a display", matches::open(path)?.len()).into()
             }
@@ -80,12 +76,13 @@ pub fn check_large(name_or_path: impl AsRef<Path>, pixels: u64) -> Result<Checke
             // What is no table has the errors of a result file.
             _ => check_results(path)?,
         },
+        Some("ti3" | "mat") => check_readings(path)?,
         Some("png") => image::verify(path, pixels)?.into(),
         Some("toml") => check_toml(path, &name, &read_text(path)?)?,
         _ => return Err(match found(path) {
             Ok(Some(metadata)) if metadata.is_file() => FileErrors::whole(
                 path,
-                "is not a known type of file; expected a definition, display profile, observer or scene (.toml), a result file or readings (.csv), or an image (.png)",
+                "is not a known type of file; expected a definition, display profile, observer or scene (.toml), a result file (.csv), readings (.csv, .ti3, .mat), or an image (.png)",
             ),
             _ => (definition::open(path).err())
                 .unwrap_or_else(|| FileErrors::whole(path, "cannot be checked; expected a .toml, .csv or .png file")),
@@ -93,6 +90,12 @@ pub fn check_large(name_or_path: impl AsRef<Path>, pixels: u64) -> Result<Checke
         .into()),
     };
     Ok(checked)
+}
+
+fn check_readings(path: &Path) -> Result<Checked, StoreError> {
+    let readings = readings::open(path)?;
+    let channels: Vec<&str> = readings.channels().iter().map(|channel| channel.name()).collect();
+    Ok(format!("{} photometer readings, {}", readings.all().len(), channels.join(", ")).into())
 }
 
 /// Identifies the kind of TOML file by a required key that the other kinds lack.
