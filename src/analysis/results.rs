@@ -160,12 +160,12 @@ impl FactorResults {
         (indices().rev().max_by(by_mean).unwrap_or(0), indices().min_by(by_mean).unwrap_or(0))
     }
 
-    /// Returns the two levels whose difference describes the effect, and whether they were chosen because their means
-    /// are the extremes: otherwise, they are the ends of a trend, or the only two levels.
+    /// Returns the two levels whose difference describes the effect, the earlier one first, and whether they were chosen because
+    /// their means are the extremes: otherwise, they are the ends of a trend, or the only two levels.
     pub fn contrast(&self) -> ([usize; 2], bool) {
         let chosen = self.levels.len() > 2 && self.course().is_none();
         let (first, second) = if chosen { self.extremes() } else { (0, self.levels.len().saturating_sub(1)) };
-        ([first, second], chosen)
+        ([first.min(second), first.max(second)], chosen)
     }
 }
 
@@ -236,10 +236,9 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
     };
     let contrasts = |margins: &[Margin]| -> Vec<(String, [String; 2])> {
         let pair = |factor: &FactorResults| {
-            let ([first, second], _) = with_margins(factor, margins).contrast();
-            // The later level minus the earlier one, as in all comparisons.
-            let levels = [first.max(second), first.min(second)].map(|place| factor.levels[place].names[0].clone());
-            (first != second).then(|| (factor.name.clone(), levels))
+            let ([earlier, later], _) = with_margins(factor, margins).contrast();
+            let levels = [later, earlier].map(|place| factor.levels[place].names[0].clone());
+            (earlier != later).then(|| (factor.name.clone(), levels))
         };
         factors.iter().filter(|factor| factor.levels.len() > 1).filter_map(pair).collect()
     };

@@ -153,8 +153,8 @@ fn tests(results: &Results) -> Table {
     let columns = columns(&[
         ("test", "Name of the test."),
         ("term", "Factor or term that is tested."),
-        ("level", "Level that is compared."),
-        ("other", "Level with which it is compared."),
+        ("level", "Later level of a comparison."),
+        ("other", "Earlier level, which is subtracted from the later one."),
         ("n", "Number of participants, or of ratings for tests of the model."),
         ("statistic", "Test statistic."),
         ("df", "Degrees of freedom; none for a comparison."),

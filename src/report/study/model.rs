@@ -8,7 +8,7 @@ use crate::{
     },
     report::{
         document::{
-            Section, TableOf, count, fixed, list, mean, percent, probability, range, ratio, unit, whole, with_interval,
+            Section, TableOf, count, fixed, list, mean, probability, range, ratio, unit, whole, with_interval,
         },
         figures::Figure,
     },
@@ -83,8 +83,7 @@ fn between_people(section: &mut Section, results: &Results, model: &Model, rando
     let (share, interval) = model.share_between();
     if let Some(share) = share {
         section.text(format!(
-            "The intercepts of participants account for {} of the latent variance: the intraclass correlation is {}{}.",
-            percent((100.0 * share).round() / 100.0),
+            "The intraclass correlation, the proportion of the latent variance that lies between participants, is {}{}.",
             unit(share),
             with_interval(interval, unit)
         ));
