@@ -231,7 +231,6 @@ fn test_row(names: [&str; 4], n: u64, numbers: &[Option<f64>], effect_is: &str, 
 fn method(method: PMethod) -> &'static str {
     match method {
         PMethod::Exact => "exact",
-        PMethod::Permutations => "random orders",
         PMethod::ChiSquared => "chi-squared approximation",
     }
 }

@@ -11,7 +11,7 @@ use super::{
     fitting::{Fitted, fit_counts},
     interactions::{Interaction, interactions},
     likelihood_ratios::{TermTest, Withheld, quantile, without_terms},
-    margins::{self, Comparison, Margin, Pair},
+    margins::{self, Comparison, Margin},
     model::{MAX_COEFFICIENTS, Model, ModelError, ModelSpec, Random, RandomEffect},
     profile::{self, Quantity, chi_squared_limit},
     resampling::{Resampling, simulate},
@@ -67,7 +67,7 @@ pub struct ModelReport {
 pub fn fit_with_tests(counts: &Counts, spec: &ModelSpec) -> Result<ModelReport, ModelError> {
     let full = fit_counts(counts, spec, true)?;
     let mut report = report_with_tests(&full)?;
-    report.comparisons = margins::comparisons(&full, &report.model, &usual_limits(&full), &report.terms, &[]);
+    report.comparisons = margins::comparisons(&full, &report.model, &usual_limits(&full), &report.terms);
     Ok(report)
 }
 
@@ -101,8 +101,6 @@ pub struct Calibration<'a> {
     pub trials: &'a [Trial],
     /// Whether to compute [`ModelReport::checks`].
     pub checks: bool,
-    /// Returns the pairs of levels whose contrast is of interest, given the marginal means.
-    pub contrasts: &'a (dyn Fn(&[Margin]) -> Vec<Pair> + Sync),
     /// Called after each simulated study, with the number of those done and of all.
     pub progress: &'a (dyn Fn(usize, usize) + Sync),
 }
@@ -152,8 +150,7 @@ pub fn fit_calibrated(
     if let Some(random) = &mut report.model.random {
         profile_deviations(&full, random);
     }
-    let wanted = (calibration.contrasts)(&report.margins);
-    report.comparisons = margins::comparisons(&full, &report.model, &limits, &report.terms, &wanted);
+    report.comparisons = margins::comparisons(&full, &report.model, &limits, &report.terms);
     for own in report.comparisons.iter_mut().filter(|own| own.at.is_none() && own.p.is_some()) {
         // The only difference of a term has the term's probability.
         let is_own = |test: &&TermTest| test.df == 1 && test.term == Term::factor(&own.factor);

@@ -128,8 +128,6 @@ pub struct RandomEffect {
     pub items: Option<RandomSlope>,
     /// Correlations of the intercept and the slopes, in this order; `None` if they are independent.
     pub correlations: Option<Vec<Vec<f64>>>,
-    /// Each participant's intercept.
-    pub subjects: Vec<SubjectMode>,
 }
 
 /// How much participants differ in an effect, or items in their ratings.
@@ -146,16 +144,6 @@ pub struct RandomSlope {
     pub se: Option<f64>,
     /// The 95 % profile-likelihood interval of `sd`; `None` if the effects are correlated.
     pub interval: Option<Interval>,
-}
-
-/// A participant's intercept given their ratings.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct SubjectMode {
-    pub subject: String,
-    /// The most probable intercept. A positive intercept means higher ratings.
-    pub mode: f64,
-    /// Conditional standard deviation of the intercept.
-    pub sd: f64,
 }
 
 /// A fitted model.
@@ -297,16 +285,6 @@ pub enum Note {
     /// Every participant gave one rating.
     #[error("each participant gave one rating, so there is no random intercept: all ratings are independent")]
     OneRatingEach,
-    /// The variance between participants is 0, because participants do not differ.
-    #[error("the estimated variance between participants is 0, so the random intercept has no effect")]
-    NoSubjectVariance,
-    /// Participants do not differ in an effect, as far as the ratings show.
-    #[error("the estimated variance between participants in the effect of {term} is 0")]
-    NoSlopeVariance {
-        term: String,
-        #[serde(skip)]
-        of: Term,
-    },
     /// There are too few ratings per participant and level for a random slope.
     #[error(
         "the design does not support differences between participants in the effect of {term}: there are fewer than two ratings per random effect"
@@ -316,9 +294,6 @@ pub enum Note {
         #[serde(skip)]
         of: Term,
     },
-    /// Items do not differ, as far as the ratings show.
-    #[error("the estimated variance between the levels of {items} is 0")]
-    NoItemVariance { items: String },
     /// The correlated random effects have a variance of 0 in some direction.
     #[error("the covariance matrix of the random effects is singular, so their correlations are not reliable")]
     SingularCovariance,

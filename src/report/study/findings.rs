@@ -275,7 +275,6 @@ pub(super) fn evidence(results: &Results, factor: &FactorResults) -> Option<Evid
     let test = factor.friedman.filter(|_| factor.within && results.is_inferential())?;
     let name = match test.method {
         PMethod::Exact => "exact Friedman test",
-        PMethod::Permutations => "Friedman test, p from random orders",
         PMethod::ChiSquared => "Friedman test",
     };
     let text = format!("{name}: χ²({}) = {}", test.df, fixed(test.chi_squared, 1));

@@ -165,7 +165,6 @@ fn description(results: &Results) -> Vec<String> {
     let methods: BTreeSet<&str> = (results.factors.iter().filter_map(|factor| factor.friedman))
         .map(|test| match test.method {
             PMethod::Exact => "exact",
-            PMethod::Permutations => "random-permutation",
             PMethod::ChiSquared => "χ²",
         })
         .collect();
