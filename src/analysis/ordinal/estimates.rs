@@ -7,9 +7,7 @@ use super::{
     clm::{FitEnd, category_bounds, positive_definite},
     design,
     fitting::{Fitted, fit_counts},
-    model::{
-        Coefficient, Model, ModelError, ModelSpec, Note, Random, RandomEffect, RandomSlope, Threshold,
-    },
+    model::{Coefficient, Model, ModelError, ModelSpec, Note, Random, RandomEffect, RandomSlope, Threshold},
     search::{MixedFit, MixedFitEnd},
 };
 use crate::{

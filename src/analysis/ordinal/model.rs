@@ -269,7 +269,7 @@ pub enum Note {
     },
     /// The first level of a factor has no finite effect, so another level became the baseline.
     #[error(
-        "the factor {factor} is compared with {baseline}, because all ratings at {separated} are {category}: a comparison with it would have no finite estimate"
+        "the baseline of {factor} is {baseline}, because all ratings at {separated} are {category}: a comparison with {separated} would have no finite estimate"
     )]
     Rebased {
         factor: String,

@@ -324,8 +324,7 @@ fn size_in_model(results: &Results, report: &ModelReport, factor: &FactorResults
         return None;
     }
     let (estimate, interval) = (contrast.estimate, contrast.interval);
-    let [later, earlier] =
-        [&contrast.level, &contrast.other].map(|level| names::level(results, &factor.name, level));
+    let [later, earlier] = [&contrast.level, &contrast.other].map(|level| names::level(results, &factor.name, level));
     let value = |estimate: f64| on_scale(results, estimate);
     let superiority = |estimate: f64| {
         let share = results.spec.link.superiority(estimate);
@@ -378,7 +377,7 @@ pub(super) fn range_of(results: &Results, variable: &Variable) -> Option<(f64, S
         [first, last].map(|(_, level)| crate::report::names::rounded_level(results, &factor.name, level, 4));
     let what = match results.spec.link {
         Link::Logit => "the odds of a higher rating are multiplied by",
-        Link::Probit => "the shift of the latent response in standard deviations is",
+        Link::Probit => "the latent response shifts, in standard deviations, by",
     };
     Some((last.0 - first.0, format!("From {name} {low} to {high}, {what}")))
 }
@@ -414,7 +413,9 @@ fn difference_of_means(results: &Results, factor: &FactorResults, evidence: &Evi
     let the = if factor.marginal.is_some() { "In the same conditions, the" } else { "The" };
     let text = match mean(difference).as_ref() {
         "0.00" => format!("{the} mean ratings at {later} and {earlier} differ by less than 0.005"),
-        size => format!("{the} mean rating at {later} minus that at {earlier} is {size}{}", with_interval(interval, mean)),
+        size => {
+            format!("{the} mean rating at {later} minus that at {earlier} is {size}{}", with_interval(interval, mean))
+        }
     };
     Some(Size { text, interval })
 }
