@@ -379,8 +379,7 @@ pub fn model(results: &Results) -> Value {
             value["aic"] = json!(report.model.aic());
             value["sentences"] = json!(sentences);
             value["bic"] = json!(report.model.bic());
-            let (share, interval) = report.model.share_between();
-            value["intraclass_correlation"] = json!({ "estimate": share, "interval": interval });
+            value["intraclass_correlation"] = json!(report.model.share_between());
             value["likelihood_ratio"] = json!(report.terms);
             value["interactions"] = json!(report.interactions);
             value["order"] = json!(report.order);

@@ -12,8 +12,8 @@ use super::{
     interactions::{Interaction, interactions},
     likelihood_ratios::{TermTest, Withheld, quantile, without_terms},
     margins::{self, Comparison, Margin},
-    model::{MAX_COEFFICIENTS, Model, ModelError, ModelSpec, Random, RandomEffect},
-    profile::{self, Quantity, chi_squared_limit},
+    model::{MAX_COEFFICIENTS, Model, ModelError, ModelSpec, Random},
+    profile::{self, chi_squared_limit},
     resampling::{Resampling, simulate},
     terms::{Term, Variable},
 };
@@ -147,9 +147,6 @@ pub fn fit_calibrated(
         report.model.coefficients.iter_mut().for_each(|coefficient| coefficient.p = None);
     }
     profile_coefficients(&full, &mut report.model, &limits);
-    if let Some(random) = &mut report.model.random {
-        profile_deviations(&full, random);
-    }
     report.comparisons = margins::comparisons(&full, &report.model, &limits, &report.terms);
     for own in report.comparisons.iter_mut().filter(|own| own.at.is_none() && own.p.is_some()) {
         // The only difference of a term has the term's probability.
@@ -235,30 +232,11 @@ fn profile_coefficients(full: &Fitted, model: &mut Model, limits: &Limits) {
             coefficient.interval = None;
             return;
         };
-        let quantity = Quantity::Coefficient(column);
         let profiled = profiled && simple.is_none();
         coefficient.interval = (coefficient.se.filter(|_| profiled && coefficient.estimate.is_finite()))
-            .and_then(|se| profile::interval(full, quantity, coefficient.estimate, se, [limit; 2]))
+            .and_then(|se| profile::interval(full, column, coefficient.estimate, se, limit))
             .or_else(|| Interval::around(coefficient.estimate, coefficient.se, limit.sqrt()));
     });
-}
-
-fn profile_deviations(full: &Fitted, random: &mut RandomEffect) {
-    if full.random.correlated {
-        return;
-    }
-    let interval = |component: usize, sd: f64, se: Option<f64>| {
-        let (all, df) = full.degrees(component);
-        let se = se.unwrap_or(0.3 / full.random.components[component].unit);
-        profile::interval(full, Quantity::Deviation(component), sd, se, profile::deviation_limits(all, df))
-    };
-    random.interval = interval(0, random.sd, random.se);
-    random.slopes.par_iter_mut().enumerate().for_each(|(slope, one)| {
-        one.interval = interval(1 + slope, one.sd, one.se);
-    });
-    if let Some(items) = &mut random.items {
-        items.interval = interval(full.random.components.len() - 1, items.sd, items.se);
-    }
 }
 
 /// Returns the interaction of two variables, given by index as a term, in which the coefficients of a main effect are simple

@@ -113,7 +113,6 @@ fn random_effect(fitted: &Fitted, mixed: &MixedFit, covariance: Option<(&DMatrix
         term: part.components[row].term.clone(),
         sd: sd(row),
         se: se(row),
-        interval: None,
     };
     let correlation = |i: usize, j: usize| variances[(i, j)] / (sd(i) * sd(j));
     let correlations =
@@ -122,7 +121,6 @@ fn random_effect(fitted: &Fitted, mixed: &MixedFit, covariance: Option<(&DMatrix
     RandomEffect {
         sd: sd(0),
         se: se(0),
-        interval: None,
         slopes: (1..slopes).map(effect).collect(),
         items: (slopes..size).map(effect).next(),
         correlations,

@@ -120,8 +120,6 @@ pub struct RandomEffect {
     pub sd: f64,
     /// Standard error of `sd`; `None` if `sd` is 0.
     pub se: Option<f64>,
-    /// The 95 % profile-likelihood interval of `sd`; `None` if the effects are correlated.
-    pub interval: Option<Interval>,
     /// The random slopes, in the order of the terms.
     pub slopes: Vec<RandomSlope>,
     /// The random intercept of the items, if there are any.
@@ -142,8 +140,6 @@ pub struct RandomSlope {
     pub sd: f64,
     /// Standard error of `sd`; `None` if `sd` is 0.
     pub se: Option<f64>,
-    /// The 95 % profile-likelihood interval of `sd`; `None` if the effects are correlated.
-    pub interval: Option<Interval>,
 }
 
 /// A fitted model.
@@ -181,17 +177,15 @@ impl Model {
         !self.notes.iter().any(|note| matches!(note, Note::NotConverged { .. }))
     }
 
-    /// Returns the share of the latent variance that the random intercept accounts for (the intraclass correlation), and
-    /// its 95 % interval, which follows from that of the standard deviation.
-    pub fn share_between(&self) -> (Option<f64>, Option<Interval>) {
-        let Some(random) = &self.random else { return (None, None) };
+    /// Returns the share of the latent variance that the random intercept accounts for (the intraclass correlation).
+    pub fn share_between(&self) -> Option<f64> {
+        let random = self.random.as_ref().filter(|random| random.correlations.is_none())?;
         // A slope on a number has another unit; a deviation at a level belongs to the rating's own variance.
         let is_factor = |variable: &Variable| matches!(variable, Variable::Factor(_));
         let levels = random.slopes.iter().filter(|slope| slope.term.variables.iter().all(is_factor));
         let rest = self.link.sd().powi(2) + levels.chain(&random.items).map(|slope| slope.sd * slope.sd).sum::<f64>();
-        let share = |sd: f64| if sd.is_finite() { sd * sd / (sd * sd + rest) } else { 1.0 };
-        let interval = random.interval.map(|i| Interval { low: share(i.low), high: share(i.high) });
-        if random.correlations.is_some() { (None, None) } else { (Some(share(random.sd)), interval) }
+        let own = random.sd * random.sd;
+        Some(own / (own + rest))
     }
 
     /// Returns the Bayesian information criterion with the number of ratings, as in R.

@@ -105,14 +105,7 @@ fn model(results: &Results) -> Vec<String> {
     let simulated = named(&|test| test.draws.is_some());
     let draws = report.terms.iter().filter_map(|test| test.draws).max().unwrap_or_default();
     let variances = if mixed { ", with variances of the random effects corrected for the estimated means" } else { "" };
-    let limits = match (simulated.is_some(), mixed) {
-        (false, _) => "",
-        (true, false) => ", with limits from the same studies",
-        (true, true) => {
-            ", with limits from the same studies for coefficients, and adjusted for the number of participants for standard \
-             deviations"
-        }
-    };
+    let limits = if simulated.is_some() { ", with limits from the same studies" } else { "" };
     let sentences = [
         Some(format!(
             "Because ratings are ordered categories (Liddell & Kruschke, 2018; Bürkner & Vuorre, 2019), they were modeled with a \
@@ -145,8 +138,7 @@ fn model(results: &Results) -> Vec<String> {
             _ => Some(format!("{SIGNS}, corrected with the minimum-p method (Westfall & Young, 1993).")),
         },
         Some(format!(
-            "Intervals of coefficients{} are profile-likelihood intervals{limits}{}.",
-            if mixed { " and of standard deviations" } else { "" },
+            "Intervals of coefficients are profile-likelihood intervals{limits}{}.",
             if results.spec.terms.iter().all(Term::is_main) { "" } else { "; those of simple effects are Wald intervals" }
         )),
         report.comparisons.iter().any(|own| own.p_holm.is_some()).then(|| COMPARED.to_owned()),

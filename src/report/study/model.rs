@@ -65,8 +65,8 @@ fn order(section: &mut Section, report: &ModelReport) {
 /// Describes how much participants differ.
 fn between_people(section: &mut Section, results: &Results, model: &Model, random: &RandomEffect) {
     section.heading("Differences between participants");
-    let mut rows = vec![("Intercept".to_owned(), random.sd, random.se, random.interval)];
-    let of = |name: String, own: &RandomSlope| (name, own.sd, own.se, own.interval);
+    let mut rows = vec![("Intercept".to_owned(), random.sd, random.se)];
+    let of = |name: String, own: &RandomSlope| (name, own.sd, own.se);
     rows.extend(random.slopes.iter().map(|slope| of(names::slope(results, model, slope), slope)));
     let of_items = |items: &RandomSlope| of(format!("Intercept of {}", names::factor(results, &items.name)), items);
     rows.extend(random.items.as_ref().map(of_items));
@@ -74,16 +74,13 @@ fn between_people(section: &mut Section, results: &Results, model: &Model, rando
     let caption = format!("Standard deviations between participants{items}, on the latent scale");
     TableOf::new(caption, &rows)
         .text("Of", |(name, ..)| name)
-        .number("SD", |(_, sd, se, _)| fixed(*sd, decimals(*sd, *se)))
-        .number("SE", |(_, sd, se, _)| fixed(*se, decimals(*sd, *se)))
-        .number("95\u{a0}% interval", |(_, sd, se, interval)| range(*interval, |end| fixed(end, decimals(*sd, *se))))
+        .number("SD", |(_, sd, se)| fixed(*sd, decimals(*sd, *se)))
+        .number("SE", |(_, sd, se)| fixed(*se, decimals(*sd, *se)))
         .add_to(section);
-    let (share, interval) = model.share_between();
-    if let Some(share) = share {
+    if let Some(share) = model.share_between() {
+        let share = unit(share);
         section.text(format!(
-            "The intraclass correlation, the proportion of the latent variance that lies between participants, is {}{}.",
-            unit(share),
-            with_interval(interval, unit)
+            "The intraclass correlation, the proportion of the latent variance that lies between participants, is {share}."
         ));
     }
 }
