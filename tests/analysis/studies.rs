@@ -510,26 +510,6 @@ fn the_order_of_trials_is_examined() {
     }
 }
 
-/// Women rate doses 1 and 2, men 2 and 3, and women rate everything higher. Nobody's cells have all doses, but the model adds
-/// the effects, so the dose has marginal means.
-#[test]
-fn groups_that_lack_levels_do_not_turn_a_direction_round() {
-    let rows = [["F", "1"], ["F", "2"], ["M", "2"], ["M", "3"]];
-    let latent = |person: usize, row: usize| (row / 2 == person % 2).then_some([1.0, 2.4, -2.4, -1.0][row]);
-    let results = analyze(study(&["sex", "dose"], &rows, (16, 8, 3), latent), &options(None));
-    let report = results.model.as_ref().unwrap();
-    let of_dose = |factor: &str| factor == "dose";
-    assert_eq!(report.margins.iter().filter(|margin| of_dose(&margin.factor)).count(), 3);
-    assert_eq!(report.comparisons.iter().filter(|own| of_dose(&own.factor)).count(), 3);
-    let finding = &said(&results).findings[1];
-    assert!(finding.starts_with("The raw means by dose mislead") && !finding.contains("falls"), "{finding}");
-    assert!(
-        finding.contains("rises with dose at every step") && finding.contains("at 3 are an estimated"),
-        "{finding}"
-    );
-    assert!(finding.contains("no participant rated all of its levels in the same conditions"), "{finding}");
-}
-
 /// Ratings rise with age in one condition only. The sentences follow the interaction, and tables have no level for each age.
 #[test]
 fn a_covariate_has_a_slope_at_each_level() {

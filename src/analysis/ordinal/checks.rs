@@ -26,7 +26,7 @@ use super::{
 };
 use crate::{
     analysis::counts::{Combinations, CountRow, Trial},
-    statistics::{Interval, mean_and_sd, normal_two_sided},
+    statistics::{Interval, normal_two_sided},
 };
 
 /// Number of simulated studies for the comparison of observed with expected proportions.
@@ -51,8 +51,6 @@ pub struct Proportion {
     pub level: String,
     pub category: String,
     pub observed: f64,
-    /// The mean over simulated studies.
-    pub expected: f64,
     /// The range of the middle 95 % of simulated studies.
     pub range: Interval,
 }
@@ -104,7 +102,6 @@ pub(super) fn checks(full: &Fitted, seed: u64) -> Checks {
             let n = observed.column(group).sum();
             for (category, label) in categories.iter().enumerate().filter(|_| n > 0.0) {
                 let mut values: Vec<f64> = studies.iter().map(|study| study[(category, group)] / n).collect();
-                let expected = mean_and_sd(&values).0;
                 values.sort_by(f64::total_cmp);
                 let at = |share: f64| values[((share * values.len() as f64) as usize).min(values.len() - 1)];
                 proportions.push(Proportion {
@@ -112,7 +109,6 @@ pub(super) fn checks(full: &Fitted, seed: u64) -> Checks {
                     level: counts.names(factors, levels).join(", "),
                     category: label.clone(),
                     observed: observed[(category, group)] / n,
-                    expected,
                     range: Interval { low: at(0.025), high: at(0.975) },
                 });
             }

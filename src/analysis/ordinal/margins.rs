@@ -241,22 +241,16 @@ fn compare(
         let name = name(own, level);
         fitted.x.columns.iter().position(|column| is_level(&column.parts, factor.name(), &name))
     };
-    let quantity = |level: u32, lower: u32| match (column(level), column(lower)) {
-        (Some(one), Some(other)) => Some(Quantity::Difference(one, other)),
-        (Some(one), None) | (None, Some(one)) => Some(Quantity::Coefficient(one)),
-        (None, None) => None,
-    };
-    let ratio = |level: u32, lower: u32| match scope {
-        Scope::All => ratio_at_zero(fitted, quantity(level, lower)?),
-        Scope::Average(test) if test.df == 1 => test.chi_squared,
+    let ratio = |level: u32, lower: u32| match (scope, column(level), column(lower)) {
+        (Scope::All, Some(one), Some(other)) => ratio_at_zero(fitted, Quantity::Difference(one, other)),
+        (Scope::All, one, other) => ratio_at_zero(fitted, Quantity::Coefficient(one.or(other)?)),
+        (Scope::Average(test), ..) if test.df == 1 => test.chi_squared,
         _ => None,
     };
-    let interval = |levels: [u32; 2], estimate: f64| match (scope, quantity(levels[0], levels[1])?) {
-        (Scope::All, Quantity::Coefficient(column)) => {
-            let own = &model.coefficients[column];
-            let sign = [1.0, -1.0].into_iter().find(|sign| (sign * own.estimate - estimate).abs() < 1e-9)?;
-            own.interval.map(|interval| interval.scaled(sign))
-        }
+    // A difference from the baseline is a coefficient.
+    let interval = |level: u32, lower: u32| match (scope, column(level), column(lower)) {
+        (Scope::All, Some(one), None) => model.coefficients[one].interval,
+        (Scope::All, None, Some(other)) => Some(model.coefficients[other].interval?.scaled(-1.0)),
         _ => None,
     };
     let pairs_of = |stratum: Option<u32>| {
@@ -280,7 +274,7 @@ fn compare(
         let expected = Some(x.map(|x| expected(model, x, &values).0));
         let average = matches!(scope, Scope::Average(_));
         let own = Comparison { expected, average, ..Comparison::new(names, (estimate, implied.unwrap_or(se)), limit) };
-        let interval = own.interval.and_then(|_| interval([level, lower], estimate)).or(own.interval);
+        let interval = own.interval.and_then(|_| interval(level, lower)).or(own.interval);
         Some(Comparison { interval, ..own })
     };
     corrected(pairs.into_par_iter().filter_map(compare).collect())

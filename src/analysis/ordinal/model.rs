@@ -205,17 +205,14 @@ impl Model {
 pub enum Note {
     /// Some ratings have no value for a factor that the model needs.
     #[error(
-        "{}{ratings} {} without a value of {factor} {} excluded",
-        if *.further { "a further " } else { "" },
+        "{ratings} {} without a value of {factor} {} excluded",
         if *.ratings == 1 { "rating" } else { "ratings" },
         if *.ratings == 1 { "is" } else { "are" }
     )]
     MissingValues {
         factor: String,
-        /// Number of excluded ratings.
+        /// Number of excluded ratings; those without a value of another factor that is named before are not counted again.
         ratings: u64,
-        /// Whether ratings without a value of another factor are excluded before, and not counted here.
-        further: bool,
     },
     /// Nobody used this category, or any of these, so its probability cannot be estimated and it is excluded.
     #[error("no rating is {category}, so the model has no such category")]
