@@ -208,7 +208,7 @@ fn minutes(frame: &Frame, spec: &ModelSpec, draws: u32) -> u64 {
     const MIXED_S: f64 = 0.7e-6;
     let (people, rows) = (frame.subjects.len(), frame.rows.len());
     let parameters = frame.categories.len() - 1 + coefficients(frame, &spec.terms).into_iter().sum::<usize>();
-    let simulated = |term: &&Term| !spec.terms.is_marginal(term) && needs_simulation(frame, term);
+    let simulated = |term: &&Term| needs_simulation(frame, term);
     let mixed = if people < 2 || spec.random == Random::None { 0 } else { spec.terms.iter().filter(simulated).count() };
     let models = if mixed == 0 { 0 } else { 1 + mixed };
     (f64::from(draws.min(USUAL_DRAWS)) * MIXED_S * (parameters * models * rows) as f64 / 60.0) as u64

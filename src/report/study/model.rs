@@ -7,7 +7,7 @@ use crate::{
         TermTest, Withheld, terms::Term,
     },
     report::{
-        document::{Section, TableOf, count, fixed, list, mean, probability, range, ratio, unit, whole, with_interval},
+        document::{Section, TableOf, count, fixed, list, mean, probability, range, ratio, unit, whole},
         figures::Figure,
     },
 };
