@@ -14,6 +14,7 @@ use rand_chacha::ChaCha8Rng;
 use crate::{
     common::{golden_path, table},
     report::{page, source},
+    studies,
 };
 
 /// Ratings 0–3 of a latent value: thresholds at −1.5, 0 and 1.5, and logistic noise.
@@ -260,17 +261,10 @@ fn intervals_agree_with_tests() {
 /// In an interaction, each factor is compared at each level of the other, and Holm's correction never lowers p.
 #[test]
 fn interactions_have_simple_effects() {
-    let mut rng = ChaCha8Rng::seed_from_u64(12);
-    let mut builder = MeasuredBuilder::new(&["level", "side"]).with_categories(&["0", "1", "2", "3"]);
-    for person in 0..10 {
-        for (level, side, effect) in [("a", "l", 0.0), ("b", "l", 2.0), ("a", "r", 0.0), ("b", "r", 0.0)] {
-            for _ in 0..10 {
-                builder.add_counts(&person.to_string(), &[level, side], &rate(effect, &mut rng), 1).unwrap();
-            }
-        }
-    }
+    let rows = [["a", "l"], ["b", "l"], ["a", "r"], ["b", "r"]];
+    let measured = studies::study(&["level", "side"], &rows, (10, 10, 12), |_, row| Some([0.0, 2.0, 0.0, 0.0][row]));
     let options = Options { terms: Some("level*side".parse().unwrap()), ..quick() };
-    let results = analyze(builder.finish(), &options);
+    let results = analyze(measured, &options);
     let comparisons = &results.model.as_ref().unwrap().comparisons;
     let at = |side: &str| {
         let found = |c: &&Comparison| c.factor == "level" && c.at == Some(("side".to_owned(), side.to_owned()));

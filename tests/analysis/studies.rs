@@ -20,7 +20,7 @@ use crate::{
 
 /// Simulates a study: every person rates every row of `design` `ratings` times. `latent` returns the latent value for a
 /// person and a row, or `None` if this person does not rate it.
-fn study<'a>(
+pub fn study<'a>(
     factors: &[&str],
     design: &[impl AsRef<[&'a str]>],
     (people, ratings, seed): (usize, usize, u64),
