@@ -184,7 +184,7 @@ fn simple_effects(
     let own = |(place, stratum): &(usize, FactorResults)| {
         let pair = stratum.contrast().0.map(|level| stratum.levels[level].names[0].as_str());
         let mut compared = compared(comparisons, of, at, *place);
-        compared.find(|c| pair == [&*c.level, &*c.other] || pair == [&*c.other, &*c.level])
+        compared.find(|c| pair == [&*c.other, &*c.level])
     };
     let is_raw = |(_, stratum): &(usize, FactorResults)| stratum.marginal.is_none();
     let are_alike = strata.iter().all(is_raw) || !strata.iter().any(is_raw);

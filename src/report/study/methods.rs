@@ -137,10 +137,11 @@ fn model(results: &Results) -> Vec<String> {
             (1, _) => Some(format!("{SIGNS}.")),
             _ => Some(format!("{SIGNS}, corrected with the minimum-p method (Westfall & Young, 1993).")),
         },
-        Some(format!(
-            "Intervals of coefficients are profile-likelihood intervals{limits}{}.",
-            if results.spec.terms.iter().all(Term::is_main) { "" } else { "; those of simple effects are Wald intervals" }
-        )),
+        model.coefficients.iter().any(|own| own.interval.is_some()).then(|| {
+            let is_additive = results.spec.terms.iter().all(Term::is_main);
+            let simple = if is_additive { "" } else { "; those of simple effects are Wald intervals" };
+            format!("Intervals of coefficients are profile-likelihood intervals{limits}{simple}.")
+        }),
         report.comparisons.iter().any(|own| own.p_holm.is_some()).then(|| COMPARED.to_owned()),
         (!results.is_inferential()).then(|| "All inference is about repeated trials of this participant.".to_owned()),
     ];
