@@ -135,7 +135,7 @@ fn model(results: &Results) -> Vec<String> {
             (0, 0) => None,
             (0, _) => Some(WIDER_MODELS.to_owned()),
             (1, _) => Some(format!("{SIGNS}.")),
-            _ => Some(format!("{SIGNS}, corrected with the minimum-p method (Westfall & Young, 1993).")),
+            _ => Some(format!("{SIGNS}, corrected with Holm’s method (Holm, 1979).")),
         },
         model.coefficients.iter().any(|own| own.interval.is_some()).then(|| {
             let is_additive = results.spec.terms.iter().all(Term::is_main);
