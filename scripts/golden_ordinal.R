@@ -66,9 +66,6 @@ finish <- function(m, rho) {
   m$logLik <- -likelihood(par)
   m$gradient[] <- d$gradient
   m$Hessian[] <- d$Hessian
-  # The modes and their variances at these parameters.
-  m$ranef <- rho$u * sd
-  m$condVar <- sd^2 * if (laplace) as.numeric(Matrix::diag(Matrix::solve(rho$L))) else 1 / rho$D
   m
 }
 fit_once <- function(d, link, terms, nodes) {
@@ -113,12 +110,6 @@ record <- function(name, link, terms, nodes = 0) {
     put("sd", "", sd)
     # The last parameter is log(sd).
     put("sd_se", "", sd * se[length(se)])
-    effects <- ranef(m)$subject
-    variances <- condVar(m)$subject
-    for (j in seq_len(min(3, nrow(effects)))) {
-      put("mode", rownames(effects)[j], effects[j, 1])
-      put("mode_sd", rownames(effects)[j], sqrt(variances[j, 1]))
-    }
   }
   test <- function(kind, term, lr, df) {
     writeLines(sprintf("%s,%s,\"%s\",%.10g,%d,%.10g", key, kind, back(term), lr, as.integer(df), pchisq(lr, df, lower.tail = FALSE)), tests)

@@ -251,23 +251,14 @@ def rank_values():
     from importlib.metadata import version
 
     import krippendorff
-    import scipy
-    from scipy.stats import friedmanchisquare
     from sklearn.metrics import cohen_kappa_score
 
     with (FOLDER / "ranks.csv").open("w", newline="") as file:
-        file.write(f"# SciPy {scipy.__version__} (friedmanchisquare), krippendorff {version('krippendorff')}, scikit-learn ")
+        file.write(f"# krippendorff {version('krippendorff')}, scikit-learn ")
         file.write(f"{version('scikit-learn')} (cohen_kappa_score), by scripts/golden_ordinal.py. alpha_pairs: from its definition, pair by pair.\n")
         out = csv.writer(file, lineterminator="\n")
         out.writerow(["test", "data", "name", "value", "p"])
         row = lambda test, data, name, value, p="": out.writerow([test, data, name, f"{value:.12g}", p if p == "" else f"{p:.12g}"])
-        for name, factor in [("bangay", "width"), ("bangay", "depth"), ("alike", "orientation_deg"), ("spread", "x"), ("binary", "contrast")]:
-            frame = read(name)
-            values = natural(frame["rating"])
-            frame["value"] = frame["rating"].map(lambda r: float(r) if r.lstrip("-").isdigit() else values.index(r))
-            means = frame.pivot_table(index="subject", columns=factor, values="value", aggfunc="mean")[natural(frame[factor])]
-            result = friedmanchisquare(*[means[level] for level in means])
-            row("friedman", name, factor, result.statistic, result.pvalue)
         frame = read("coders")
         table = frame.assign(rating=frame["rating"].astype(float)).pivot(index="subject", columns="unit", values="rating")
         row("alpha", "coders", "unit", krippendorff.alpha(table.to_numpy(), level_of_measurement="ordinal"))

@@ -56,7 +56,8 @@ class Analysis:
     Attributes
     ----------
     tables
-        The tables that ``machband analyze`` writes: ``cells``, ``by_FACTOR``, ``tests``, ``thresholds`` of a task, …
+        The tables that ``machband analyze`` writes: ``cells``, ``by_FACTOR``, ``tests``, ``thresholds`` of a task, … In
+        ``tests``, the effect of a comparison is the later ``level`` minus the earlier one, ``other``.
     files
         The tables, the model and the R script, by their file names, with the bytes that the command writes.
     errors
@@ -180,7 +181,7 @@ class Analysis:
         ----------
         data
             A table as for `analyze`, with a column for each factor in the model. The levels must be among those analyzed;
-            terms with ``num:`` take any number. The table ``predictions`` averages over people instead.
+            terms with ``num:`` take any number. The table ``predictions`` has the same for the conditions that were rated.
         """
         listed = columns(data)
         if listed is None:

@@ -36,8 +36,7 @@ impl<'a> Frame<'a> {
             let lost: u64 = rows.iter().filter(|row| missing(row)).map(|row| row.count).sum();
             if lost > 0 {
                 rows.retain(|row| !missing(row));
-                let (factor, further) = (counts.factors[factor].name.clone(), !notes.is_empty());
-                notes.push(Note::MissingValues { factor, ratings: lost, further });
+                notes.push(Note::MissingValues { factor: counts.factors[factor].name.clone(), ratings: lost });
             }
         }
         if rows.is_empty() {

@@ -2,17 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 use serde::Serialize;
 
 use super::{
     counts::{Combinations, Counts},
     summary::{category_values, cell_means},
 };
-use crate::{
-    statistics::{Interval, chi_squared_tail, shuffle},
-    system::checkpoint,
-};
+use crate::statistics::{Interval, chi_squared_tail};
 
 /// Participants' mean ratings at each level of a factor. Each mean is over the cells of the other factors that the
 /// participant rated at every level, so that an unequal number of ratings in the cells cannot look like an effect.
@@ -91,15 +87,9 @@ pub struct Friedman {
     pub w: f64,
 }
 
-/// Up to this number of participants, the probability of Friedman's statistic is that over the participants' possible
-/// orders; beyond, small values from the χ² distribution differ by less than 0.002.
-pub const EXACT_PARTICIPANTS: usize = 200;
-/// Maximum number of random orders, if there are too many to enumerate.
-pub const PERMUTATIONS: usize = 100_000;
-
-/// Performs Friedman's test, with at most this many random orders. Returns `None` if there are fewer than two
-/// participants or levels, or if every participant rates all levels alike.
-pub fn friedman(means: &SubjectMeans, permutations: usize) -> Option<Friedman> {
+/// Performs Friedman's test. Returns `None` if there are fewer than two participants or levels, or if every participant rates
+/// all levels alike.
+pub fn friedman(means: &SubjectMeans) -> Option<Friedman> {
     let (n, k) = (means.rows.len(), means.levels.len());
     if n < 2 || k < 2 {
         return None;
@@ -121,57 +111,27 @@ pub fn friedman(means: &SubjectMeans, permutations: usize) -> Option<Friedman> {
     }
     let chi_squared = squares / most;
     let df = k - 1;
-    let asymptotic = (chi_squared_tail(chi_squared, df), PMethod::ChiSquared);
-    let (p, method) = if n > EXACT_PARTICIPANTS { asymptotic } else { permutation_probability(&rows, permutations) };
+    let asymptotic = || (chi_squared_tail(chi_squared, df), PMethod::ChiSquared);
+    let (p, method) = exact_probability(&rows).map_or_else(asymptotic, |p| (p, PMethod::Exact));
     let w = chi_squared / (subjects * df as f64);
     Some(Friedman { subjects: n, chi_squared, df, p, method, w })
 }
 
-/// Returns the probability that the sum of squares of the rank sums is at least as large as observed if each
-/// participant's ranks are in random order.
-fn permutation_probability(rows: &[Vec<f64>], permutations: usize) -> (f64, PMethod) {
-    // Mid-ranks are multiples of ½, so doubling makes them whole numbers.
-    let rows: Vec<Vec<u32>> =
-        rows.iter().map(|row| row.iter().map(|rank| (2.0 * rank).round() as u32).collect()).collect();
-    let squares = |sums: &[u32]| sums.iter().map(|sum| u64::from(*sum).pow(2)).sum::<u64>();
-    let mut sums = vec![0; rows[0].len()];
-    for row in &rows {
-        sums.iter_mut().zip(row).for_each(|(sum, rank)| *sum += rank);
-    }
-    let observed = squares(&sums);
-    if let Some(exact) = enumerated(&rows, |sums| squares(sums) >= observed) {
-        return (exact, PMethod::Exact);
-    }
-    let mut rng = ChaCha8Rng::seed_from_u64(1);
-    let mut rows = rows;
-    let (mut larger, mut done) = (0, 0);
-    // More orders would not change what p says once it is known to a tenth, or known to be below .001.
-    let is_decided = |larger: usize, done: usize| {
-        let p = larger as f64 / done as f64;
-        done >= 9_999 && larger == 0 || larger >= 100 && (p - 0.05).abs() > 4.0 * (p / done as f64).sqrt()
-    };
-    while done < permutations && !(done % 1_000 == 999 && is_decided(larger, done)) {
-        checkpoint();
-        sums.fill(0);
-        for row in &mut rows {
-            shuffle(row, &mut rng);
-            sums.iter_mut().zip(&*row).for_each(|(sum, rank)| *sum += rank);
-        }
-        larger += usize::from(squares(&sums) >= observed);
-        done += 1;
-    }
-    ((1 + larger) as f64 / (1 + done) as f64, PMethod::Permutations)
-}
-
-/// Returns the probability over all orders of every row, or `None` if there are too many. Rows are added one after the
-/// other, and orders with the same sums are combined. The first row keeps its order, because only differences between
-/// the rows matter.
-fn enumerated(rows: &[Vec<u32>], is_extreme: impl Fn(&[u32]) -> bool) -> Option<f64> {
+/// Returns the probability that the sum of squares of the rank sums is at least as large as observed if each participant's
+/// ranks are in random order; `None` if there are too many orders. Rows are added one after the other, and orders with the
+/// same sums are combined. The first row keeps its order, because only differences between the rows matter.
+fn exact_probability(rows: &[Vec<f64>]) -> Option<f64> {
     const MAX_STEPS: usize = 500_000;
     const MAX_LEVELS: usize = 6;
     if rows[0].len() > MAX_LEVELS {
         return None;
     }
+    // Mid-ranks are multiples of ½, so doubling makes them whole numbers.
+    let rows: Vec<Vec<u32>> =
+        rows.iter().map(|row| row.iter().map(|rank| (2.0 * rank).round() as u32).collect()).collect();
+    let sum = |sums: &[u32], row: &[u32]| sums.iter().zip(row).map(|(sum, rank)| sum + rank).collect::<Vec<u32>>();
+    let squares = |sums: &[u32]| sums.iter().map(|sum| u64::from(*sum).pow(2)).sum::<u64>();
+    let observed = squares(&rows[1..].iter().fold(rows[0].clone(), |sums, row| sum(&sums, row)));
     let mut steps = 0;
     // In order, so that the last digit of a sum is always the same.
     let mut ways: BTreeMap<Vec<u32>, f64> = BTreeMap::from([(rows[0].clone(), 1.0)]);
@@ -184,13 +144,13 @@ fn enumerated(rows: &[Vec<u32>], is_extreme: impl Fn(&[u32]) -> bool) -> Option<
         let mut next = BTreeMap::new();
         for (sums, number) in &ways {
             for order in &orders {
-                let sums: Vec<u32> = sums.iter().zip(order).map(|(sum, rank)| sum + rank).collect();
-                *next.entry(sums).or_insert(0.0) += number / orders.len() as f64;
+                *next.entry(sum(sums, order)).or_insert(0.0) += number / orders.len() as f64;
             }
         }
         ways = next;
     }
-    Some(ways.iter().filter(|(sums, _)| is_extreme(sums)).map(|(_, share)| share).sum::<f64>().min(1.0))
+    let extreme = ways.iter().filter(|(sums, _)| squares(sums) >= observed);
+    Some(extreme.map(|(_, share)| share).sum::<f64>().min(1.0))
 }
 
 /// Returns every distinct order of some ranks; all are equally likely.
@@ -235,8 +195,6 @@ pub(crate) fn ranks(values: &[f64], tolerance: f64) -> (Vec<f64>, f64) {
 pub enum PMethod {
     /// From all possible orders.
     Exact,
-    /// From random orders.
-    Permutations,
     /// From the χ² distribution.
     ChiSquared,
 }

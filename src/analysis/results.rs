@@ -8,7 +8,7 @@ use super::{
     agreement::{Alpha, kappa, mean_kappa, ordinal_alpha},
     counts::{Counts, MAX_LEVELS, Measured},
     fit_calibrated,
-    rank_tests::{Friedman, PERMUTATIONS, SubjectMeans, friedman},
+    rank_tests::{Friedman, SubjectMeans, friedman},
     summary::{Group, by_cell, by_factor, by_subject},
     terms::{Term, Terms, Variable},
 };
@@ -160,12 +160,12 @@ impl FactorResults {
         (indices().rev().max_by(by_mean).unwrap_or(0), indices().min_by(by_mean).unwrap_or(0))
     }
 
-    /// Returns the two levels whose difference describes the effect, and whether they were chosen because their means
-    /// are the extremes: otherwise, they are the ends of a trend, or the only two levels.
+    /// Returns the two levels whose difference describes the effect, the earlier one first, and whether they were chosen because
+    /// their means are the extremes: otherwise, they are the ends of a trend, or the only two levels.
     pub fn contrast(&self) -> ([usize; 2], bool) {
         let chosen = self.levels.len() > 2 && self.course().is_none();
         let (first, second) = if chosen { self.extremes() } else { (0, self.levels.len().saturating_sub(1)) };
-        ([first, second], chosen)
+        ([first.min(second), first.max(second)], chosen)
     }
 }
 
@@ -234,17 +234,8 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
         let is_adjusted = modeled.factor(&factor.name).is_some_and(|(own, _)| differs(own));
         factor.with_margins(|level| Some(margins.iter().find(|margin| is_own(margin, level))?.mean), is_adjusted)
     };
-    let contrasts = |margins: &[Margin]| -> Vec<(String, [String; 2])> {
-        let pair = |factor: &FactorResults| {
-            let ([first, second], _) = with_margins(factor, margins).contrast();
-            // The later level minus the earlier one, as in all comparisons.
-            let levels = [first.max(second), first.min(second)].map(|place| factor.levels[place].names[0].clone());
-            (first != second).then(|| (factor.name.clone(), levels))
-        };
-        factors.iter().filter(|factor| factor.levels.len() > 1).filter_map(pair).collect()
-    };
     let Options { resampling, unchecked, .. } = *options;
-    let calibration = Calibration { resampling, trials, checks: !unchecked, contrasts: &contrasts, progress };
+    let calibration = Calibration { resampling, trials, checks: !unchecked, progress };
     let agreed = agreed.as_ref().unwrap_or(&measured);
     let (model, (cells, alpha)) = rayon::join(
         || {
@@ -354,7 +345,7 @@ pub fn factor_results(measured: &Measured, factor: usize) -> FactorResults {
         marginal: None,
         ordered: counts.factors[factor].is_ordered(),
         within: counts.is_within(factor),
-        friedman: friedman(&means, PERMUTATIONS),
+        friedman: friedman(&means),
         matched: means,
         times: measured.times_by(counts.factors[factor].levels.len(), |row| level_of(row.condition)),
     }

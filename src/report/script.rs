@@ -17,9 +17,9 @@ const FEWEST_PEOPLE: usize = 3;
 pub(super) fn script(shape: &Shape, results: &Results) -> String {
     let introduction = format!(
         "# Fits the main model of this analysis again with R, from counts.csv in this folder. Made by machband {}.\n#\n\
-         #   Rscript analysis.R\n#\n# It needs the package ordinal: install.packages(\"ordinal\"). Numbers are divided by their range,\n\
-         # and those whose names end in _c are about their means, because otherwise clmm may not find the maximum. So\n\
-         # their coefficients and the thresholds differ from those of the report.\n",
+         #   Rscript analysis.R\n#\n# It needs the package ordinal: install.packages(\"ordinal\"). Numbers are about their means and\n\
+         # divided by their range, because otherwise clmm may not find the maximum. So their coefficients, those of\n\
+         # factors with which they interact, and the thresholds differ from those of the report.\n",
         env!("CARGO_PKG_VERSION")
     );
     let nothing =
@@ -39,10 +39,6 @@ pub(super) fn script(shape: &Shape, results: &Results) -> String {
              link = \"{}\")\nprint(summary(fit))\n",
         model.link
     )
-}
-
-fn is_centered(results: &Results, term: &Term) -> bool {
-    matches!(term.variables[..], [Variable::Number(_)]) && !results.spec.terms.is_marginal(term)
 }
 
 /// The names of the variables in R.
@@ -68,25 +64,12 @@ impl<'a> Names<'a> {
         self.0.iter().find(|(known, _)| *known == variable).map_or("", |(_, name)| name)
     }
 
-    /// Returns a term of the fixed effects. A number alone is about its mean, because clmm fails with numbers that are far
-    /// from 0; only the thresholds depend on this. All numbers are divided by their range, because it also fails with large and
-    /// small ones.
-    fn fixed(&self, results: &Results, term: &Term) -> String {
-        if is_centered(results, term) { self.centered(&term.variables[0]) } else { self.term(term) }
-    }
-
-    fn term(&self, term: &Term) -> String {
-        term.variables.iter().map(|variable| self.name(variable)).collect::<Vec<_>>().join(":")
-    }
-
-    /// Returns the variable as it enters a random effect: a number about its mean.
-    fn centered(&self, variable: &Variable) -> String {
-        let about = if matches!(variable, Variable::Number(_)) { "_c" } else { "" };
-        format!("{}{about}", self.name(variable))
+    fn product<'b>(&self, variables: impl IntoIterator<Item = &'b Variable>) -> String {
+        variables.into_iter().map(|variable| self.name(variable)).collect::<Vec<_>>().join(":")
     }
 
     fn formula(&self, results: &Results, model: &Model) -> String {
-        let mut parts: Vec<String> = results.spec.terms.iter().map(|term| self.fixed(results, term)).collect();
+        let mut parts: Vec<String> = results.spec.terms.iter().map(|term| self.product(&term.variables)).collect();
         if parts.is_empty() {
             parts.push("1".to_owned());
         }
@@ -100,18 +83,15 @@ impl<'a> Names<'a> {
     fn random(&self, random: &RandomEffect) -> Vec<String> {
         let mut terms: Vec<&Term> = random.slopes.iter().map(|slope| &slope.term).collect();
         terms.dedup();
-        let product = |variables: &[&Variable]| {
-            variables.iter().map(|variable| self.centered(variable)).collect::<Vec<_>>().join(":")
-        };
         if random.correlations.is_some() {
-            let slopes = terms.iter().map(|term| product(&term.variables.iter().collect::<Vec<_>>()));
+            let slopes = terms.iter().map(|term| self.product(&term.variables));
             let left: Vec<String> = std::iter::once("1".to_owned()).chain(slopes).collect();
             return vec![format!("({} | subject)", left.join(" + "))];
         }
         let slope = |term: &Term| {
             let (numbers, factors): (Vec<&Variable>, Vec<_>) =
                 term.variables.iter().partition(|variable| matches!(variable, Variable::Number(_)));
-            let left = if numbers.is_empty() { "1".to_owned() } else { format!("0 + {}", product(&numbers)) };
+            let left = if numbers.is_empty() { "1".to_owned() } else { format!("0 + {}", self.product(numbers)) };
             let group = factors.iter().fold("subject".to_owned(), |group, factor| group + ":" + self.name(factor));
             format!("({left} | {group})")
         };
@@ -157,8 +137,7 @@ impl<'a> Names<'a> {
                 }
                 Variable::Number(_) => {
                     centered += &format!(
-                        "data${name} <- data${name} / diff(range(data${name}))\n\
-                         data${name}_c <- data${name} - weighted.mean(data${name}, data$count)\n"
+                        "data${name} <- (data${name} - weighted.mean(data${name}, data$count)) / diff(range(data${name}))\n"
                     );
                     format!("{name} = {}as.numeric({cells})", if inverse { "1 / " } else { "" })
                 }

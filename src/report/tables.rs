@@ -153,8 +153,8 @@ fn tests(results: &Results) -> Table {
     let columns = columns(&[
         ("test", "Name of the test."),
         ("term", "Factor or term that is tested."),
-        ("level", "Level that is compared."),
-        ("other", "Level with which it is compared."),
+        ("level", "Later level of a comparison."),
+        ("other", "Earlier level, which is subtracted from the later one."),
         ("n", "Number of participants, or of ratings for tests of the model."),
         ("statistic", "Test statistic."),
         ("df", "Degrees of freedom; none for a comparison."),
@@ -231,7 +231,6 @@ fn test_row(names: [&str; 4], n: u64, numbers: &[Option<f64>], effect_is: &str, 
 fn method(method: PMethod) -> &'static str {
     match method {
         PMethod::Exact => "exact",
-        PMethod::Permutations => "random orders",
         PMethod::ChiSquared => "chi-squared approximation",
     }
 }
@@ -380,8 +379,7 @@ pub fn model(results: &Results) -> Value {
             value["aic"] = json!(report.model.aic());
             value["sentences"] = json!(sentences);
             value["bic"] = json!(report.model.bic());
-            let (share, interval) = report.model.share_between();
-            value["intraclass_correlation"] = json!({ "estimate": share, "interval": interval });
+            value["intraclass_correlation"] = json!(report.model.share_between());
             value["likelihood_ratio"] = json!(report.terms);
             value["interactions"] = json!(report.interactions);
             value["order"] = json!(report.order);

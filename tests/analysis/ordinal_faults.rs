@@ -176,7 +176,7 @@ fn no_small_table_breaks_a_model() {
         let what = format!("{spec:?} {model:?} {counts:?}");
         let noted = !model.notes.is_empty();
         separated += usize::from(model.notes.iter().any(|note| matches!(note, Note::Separation { .. })));
-        boundary += usize::from(model.notes.contains(&Note::NoSubjectVariance));
+        boundary += usize::from(model.random.as_ref().is_some_and(|random| random.sd == 0.0));
         assert!(model.loglik.is_finite() && model.converged(), "{what}");
         for coefficient in &model.coefficients {
             assert!(!coefficient.estimate.is_nan(), "{what}");

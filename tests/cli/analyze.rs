@@ -321,7 +321,7 @@ fn the_script_finds_the_same_numbers_in_r() {
         (
             "slopes",
             "--terms width,num:inv_n",
-            "clmm(rating ~ width + num_inv_n_c + (1 | subject) + (1 | subject:width) + (0 + num_inv_n_c | subject),",
+            "clmm(rating ~ width + num_inv_n + (1 | subject) + (1 | subject:width) + (0 + num_inv_n | subject),",
             "num_inv_n",
         ),
         (
@@ -347,7 +347,7 @@ fn the_script_finds_the_same_numbers_in_r() {
     fs::write(folder.path().join("pictures.csv"), rows).unwrap();
     let line = "analyze pictures.csv --factors style,age --items picture --out pictures --tables-only --draws 99";
     succeeds(folder.path(), &split(line));
-    let call = "clmm(rating ~ style + num_age_c + (1 | subject) + (1 | subject:style) + (1 | item),";
+    let call = "clmm(rating ~ style + num_age + (1 | subject) + (1 | subject:style) + (1 | item),";
     assert_same_in_r(&folder.path().join("pictures"), call, "style");
     // Without division by its range, clmm stops far from the maximum.
     let mut rows = String::from("subject_id,isi,rating\n");

@@ -24,8 +24,6 @@ const COLUMNS: [&str; 13] = [
     "mean",
     "cell",
     "expected",
-    "SD",
-    "item SD",
     "alpha",
     "drift",
     "lag-one",
@@ -169,12 +167,6 @@ fn tally(results: &Results, truth: &Value) -> Tally {
         }
         for prediction in &report.predictions {
             tally.add("expected", covers(prediction.interval, &truth["typical_means"][prediction.names.join(",")]));
-        }
-        if let Some(random) = &report.model.random {
-            tally.add("SD", covers(random.interval, &truth["subject_sd"]));
-            if let Some(items) = &random.items {
-                tally.add("item SD", covers(items.interval, &truth["item_sd"]));
-            }
         }
     }
     for factor in &results.factors {

@@ -11,9 +11,9 @@ use super::{
     fitting::{Fitted, fit_counts},
     interactions::{Interaction, interactions},
     likelihood_ratios::{TermTest, Withheld, quantile, without_terms},
-    margins::{self, Comparison, Margin, Pair},
-    model::{MAX_COEFFICIENTS, Model, ModelError, ModelSpec, Random, RandomEffect},
-    profile::{self, Quantity, chi_squared_limit},
+    margins::{self, Comparison, Margin},
+    model::{MAX_COEFFICIENTS, Model, ModelError, ModelSpec, Random},
+    profile::{self, chi_squared_limit},
     resampling::{Resampling, simulate},
     terms::{Term, Variable},
 };
@@ -67,7 +67,7 @@ pub struct ModelReport {
 pub fn fit_with_tests(counts: &Counts, spec: &ModelSpec) -> Result<ModelReport, ModelError> {
     let full = fit_counts(counts, spec, true)?;
     let mut report = report_with_tests(&full)?;
-    report.comparisons = margins::comparisons(&full, &report.model, &usual_limits(&full), &report.terms, &[]);
+    report.comparisons = margins::comparisons(&full, &report.model, &usual_limits(&full), &report.terms);
     Ok(report)
 }
 
@@ -101,8 +101,6 @@ pub struct Calibration<'a> {
     pub trials: &'a [Trial],
     /// Whether to compute [`ModelReport::checks`].
     pub checks: bool,
-    /// Returns the pairs of levels whose contrast is of interest, given the marginal means.
-    pub contrasts: &'a (dyn Fn(&[Margin]) -> Vec<Pair> + Sync),
     /// Called after each simulated study, with the number of those done and of all.
     pub progress: &'a (dyn Fn(usize, usize) + Sync),
 }
@@ -149,11 +147,7 @@ pub fn fit_calibrated(
         report.model.coefficients.iter_mut().for_each(|coefficient| coefficient.p = None);
     }
     profile_coefficients(&full, &mut report.model, &limits);
-    if let Some(random) = &mut report.model.random {
-        profile_deviations(&full, random);
-    }
-    let wanted = (calibration.contrasts)(&report.margins);
-    report.comparisons = margins::comparisons(&full, &report.model, &limits, &report.terms, &wanted);
+    report.comparisons = margins::comparisons(&full, &report.model, &limits, &report.terms);
     for own in report.comparisons.iter_mut().filter(|own| own.at.is_none() && own.p.is_some()) {
         // The only difference of a term has the term's probability.
         let is_own = |test: &&TermTest| test.df == 1 && test.term == Term::factor(&own.factor);
@@ -214,7 +208,7 @@ fn minutes(frame: &Frame, spec: &ModelSpec, draws: u32) -> u64 {
     const MIXED_S: f64 = 0.7e-6;
     let (people, rows) = (frame.subjects.len(), frame.rows.len());
     let parameters = frame.categories.len() - 1 + coefficients(frame, &spec.terms).into_iter().sum::<usize>();
-    let simulated = |term: &&Term| !spec.terms.is_marginal(term) && needs_simulation(frame, term);
+    let simulated = |term: &&Term| needs_simulation(frame, term);
     let mixed = if people < 2 || spec.random == Random::None { 0 } else { spec.terms.iter().filter(simulated).count() };
     let models = if mixed == 0 { 0 } else { 1 + mixed };
     (f64::from(draws.min(USUAL_DRAWS)) * MIXED_S * (parameters * models * rows) as f64 / 60.0) as u64
@@ -238,30 +232,11 @@ fn profile_coefficients(full: &Fitted, model: &mut Model, limits: &Limits) {
             coefficient.interval = None;
             return;
         };
-        let quantity = Quantity::Coefficient(column);
         let profiled = profiled && simple.is_none();
         coefficient.interval = (coefficient.se.filter(|_| profiled && coefficient.estimate.is_finite()))
-            .and_then(|se| profile::interval(full, quantity, coefficient.estimate, se, [limit; 2]))
+            .and_then(|se| profile::interval(full, column, coefficient.estimate, se, limit))
             .or_else(|| Interval::around(coefficient.estimate, coefficient.se, limit.sqrt()));
     });
-}
-
-fn profile_deviations(full: &Fitted, random: &mut RandomEffect) {
-    if full.random.correlated {
-        return;
-    }
-    let interval = |component: usize, sd: f64, se: Option<f64>| {
-        let (all, df) = full.degrees(component);
-        let se = se.unwrap_or(0.3 / full.random.components[component].unit);
-        profile::interval(full, Quantity::Deviation(component), sd, se, profile::deviation_limits(all, df))
-    };
-    random.interval = interval(0, random.sd, random.se);
-    random.slopes.par_iter_mut().enumerate().for_each(|(slope, one)| {
-        one.interval = interval(1 + slope, one.sd, one.se);
-    });
-    if let Some(items) = &mut random.items {
-        items.interval = interval(full.random.components.len() - 1, items.sd, items.se);
-    }
 }
 
 /// Returns the interaction of two variables, given by index as a term, in which the coefficients of a main effect are simple

@@ -20,13 +20,13 @@ use super::{
     clm::category_bounds,
     clmm::Modes,
     fitting::{Fitted, Layout, lay_out},
-    interactions::{LEAST_FOR_SIGNS, each_block_of_signs, exceedances},
+    interactions::{LEAST_FOR_SIGNS, each_block_of_signs},
     resampling::Simulator,
     search::MixedFit,
 };
 use crate::{
     analysis::counts::{Combinations, CountRow, Trial},
-    statistics::{Interval, mean_and_sd, normal_two_sided},
+    statistics::{Interval, normal_two_sided},
 };
 
 /// Number of simulated studies for the comparison of observed with expected proportions.
@@ -51,8 +51,6 @@ pub struct Proportion {
     pub level: String,
     pub category: String,
     pub observed: f64,
-    /// The mean over simulated studies.
-    pub expected: f64,
     /// The range of the middle 95 % of simulated studies.
     pub range: Interval,
 }
@@ -104,7 +102,6 @@ pub(super) fn checks(full: &Fitted, seed: u64) -> Checks {
             let n = observed.column(group).sum();
             for (category, label) in categories.iter().enumerate().filter(|_| n > 0.0) {
                 let mut values: Vec<f64> = studies.iter().map(|study| study[(category, group)] / n).collect();
-                let expected = mean_and_sd(&values).0;
                 values.sort_by(f64::total_cmp);
                 let at = |share: f64| values[((share * values.len() as f64) as usize).min(values.len() - 1)];
                 proportions.push(Proportion {
@@ -112,7 +109,6 @@ pub(super) fn checks(full: &Fitted, seed: u64) -> Checks {
                     level: counts.names(factors, levels).join(", "),
                     category: label.clone(),
                     observed: observed[(category, group)] / n,
-                    expected,
                     range: Interval { low: at(0.025), high: at(0.975) },
                 });
             }
@@ -298,12 +294,13 @@ pub(super) fn order(fitted: &Fitted, trials: &[Trial], seed: u64) -> Option<Orde
         ratings: timed.len() as u64,
         drift: is_told.then(|| scores.iter().sum::<f64>() / left),
         drift_p: (is_told && scores.len() >= LEAST_FOR_SIGNS).then(|| {
-            let mut statistics = Vec::new();
-            each_block_of_signs(scores.len(), seed, |signs| {
-                let sums = signs.column_iter().map(|signs| signs.iter().zip(&scores).map(|(a, b)| a * b).sum::<f64>());
-                statistics.extend(sums.map(|sum| sum * sum));
+            let scores = DVector::from_vec(scores);
+            let (observed, mut reached) = (scores.sum().powi(2), 1);
+            let patterns = each_block_of_signs(scores.len(), seed, |signs| {
+                let sums = signs.tr_mul(&scores);
+                reached += sums.iter().filter(|sum| sum.powi(2) >= observed * (1.0 - 1e-9)).count();
             });
-            exceedances(&statistics)[0]
+            reached as f64 / patterns as f64
         }),
         lag_one: (products - expected) / squares,
         lag_one_p: normal_two_sided((products - expected) / variance.sqrt()),

@@ -153,7 +153,7 @@ impl Subject<'_> {
             let mut step = curvature.solve(&slope);
             // After a Newton step, the error is of the order of the step squared.
             let scale = 1.0 + u.amax();
-            if step.amax() < 1e-7 * scale {
+            if step.amax() < 3e-6 * scale {
                 return Some(u + step);
             }
             loop {
@@ -320,15 +320,6 @@ impl ClmmData {
         let thresholds = &parameters.as_slice()[..self.thresholds()];
         let own = |(range, mode)| of(&self.subject(range, thresholds, &location, &weights), mode);
         self.subjects.iter().zip(modes).map(own).collect()
-    }
-
-    /// Returns the inverse curvature of a participant's log-integrand at the mode: the conditional covariance of the
-    /// effects given the ratings.
-    pub fn conditional_covariances(&self, parameters: &DVector<f64>, modes: &Modes) -> Option<Vec<DMatrix<f64>>> {
-        let inverse = |subject: &Subject, mode: &DVector<f64>| {
-            Some(subject.slope_and_curvature(mode, &subject.at(mode))?.1.inverse())
-        };
-        self.each(parameters, modes, inverse).into_iter().collect()
     }
 
     /// Returns, for each participant and row, the derivative of the log-probability of the ratings with respect to the

@@ -6,10 +6,8 @@ use serde::Serialize;
 use super::{
     clm::{FitEnd, category_bounds, positive_definite},
     design,
-    fitting::{Fitted, fit_counts, layout},
-    model::{
-        Coefficient, Model, ModelError, ModelSpec, Note, Random, RandomEffect, RandomSlope, SubjectMode, Threshold,
-    },
+    fitting::{Fitted, fit_counts},
+    model::{Coefficient, Model, ModelError, ModelSpec, Note, Random, RandomEffect, RandomSlope, Threshold},
     search::{MixedFit, MixedFitEnd},
 };
 use crate::{
@@ -115,35 +113,17 @@ fn random_effect(fitted: &Fitted, mixed: &MixedFit, covariance: Option<(&DMatrix
         term: part.components[row].term.clone(),
         sd: sd(row),
         se: se(row),
-        interval: None,
     };
     let correlation = |i: usize, j: usize| variances[(i, j)] / (sd(i) * sd(j));
     let correlations =
         part.correlated.then(|| (0..size).map(|i| (0..size).map(|j| correlation(i, j)).collect()).collect());
-    let data = layout(fitted).data;
-    let conditional = data.conditional_covariances(&mixed.parameters, &mixed.modes).unwrap_or_default();
-    // With items, the effects of all participants stand one after the other.
-    let (own, _) = part.effects();
-    let first = data.loadings.intercept;
-    let place = |person: usize| if part.is_crossed() { (0, person * own + first) } else { (person, first) };
-    let intercept = |(person, subject): (usize, &String)| {
-        let (block, effect) = place(person);
-        let variance = conditional.get(block)?[(effect, effect)];
-        Some(SubjectMode {
-            subject: subject.clone(),
-            mode: psi[0] * mixed.modes[block][effect],
-            sd: psi[0].abs() * variance.sqrt(),
-        })
-    };
     let slopes = size - usize::from(part.is_crossed());
     RandomEffect {
         sd: sd(0),
         se: se(0),
-        interval: None,
         slopes: (1..slopes).map(effect).collect(),
         items: (slopes..size).map(effect).next(),
         correlations,
-        subjects: fitted.frame.subjects.iter().enumerate().filter_map(intercept).collect(),
     }
 }
 
@@ -258,25 +238,16 @@ fn note_mixed(fitted: &Fitted, notes: &mut Vec<Note>) {
     if fitted.spec.random == Random::None {
         return;
     }
-    notes.extend(match fitted.mixed.as_ref().map(|mixed| mixed.end) {
-        Some(MixedFitEnd::Boundary) => Some(Note::NoSubjectVariance), // and no variance of the effects
-        Some(MixedFitEnd::Converged | MixedFitEnd::Stalled) => None,
-        Some(MixedFitEnd::Diverged) | None => Some(Note::NoMixedModel),
-    });
-    let Some(mixed) = fitted.usable() else { return };
+    let Some(mixed) = fitted.usable() else {
+        notes.push(Note::NoMixedModel);
+        return;
+    };
     let part = &fitted.random;
     let psi = &mixed.parameters.as_slice()[mixed.parameters.len() - part.parameters()..];
     if part.correlated {
         // The pivots of the covariance: the standard deviation of each effect given the ones before it.
         let pivots = part.elements().zip(psi).filter(|((row, column), _)| row == column).map(|(_, pivot)| pivot.abs());
         notes.extend(pivots.into_iter().any(|pivot| pivot < 1e-2).then_some(Note::SingularCovariance));
-    } else if mixed.end != MixedFitEnd::Boundary {
-        let zeros = part.components.iter().zip(psi).filter(|(_, psi)| **psi == 0.0).map(|(component, _)| component);
-        notes.extend(zeros.map(|component| match component.term.variables.is_empty() {
-            true => Note::NoSubjectVariance,
-            false if component.shared => Note::NoItemVariance { items: component.name.clone() },
-            false => Note::NoSlopeVariance { term: component.name.clone(), of: component.term.clone() },
-        }));
     }
 }
 

@@ -47,8 +47,6 @@ pub(super) struct How<'a> {
     pub rough: bool,
     /// The location design; `None` determines it from the specification.
     pub x: Option<&'a Design>,
-    /// A parameter ψ with a given value on the scale of the data, by index.
-    pub held: Option<(usize, f64)>,
 }
 
 /// Fits a model. If the first baseline allows no finite estimates, another is used. The standard errors of a mixed model take
@@ -215,11 +213,11 @@ fn fit_mixed(fitted: &Fitted, how: How<'_>) -> Option<MixedFit> {
     }
     let Layout { data, .. } = layout(fitted);
     let first_psi = data.first_psi();
-    let mut free: Vec<usize> = (0..data.parameters()).filter(|&index| !fitted.is_infinite(index)).collect();
+    let free: Vec<usize> = (0..data.parameters()).filter(|&index| !fitted.is_infinite(index)).collect();
     let tolerance = if how.rough { 1e3 } else { 1.0 } * tolerance(data.ratings());
     let plain = &fitted.clm;
     let near = how.near.and_then(|near| Some((near, near.mixed.as_ref()?)));
-    let mut start = near.map(|(near, fit)| {
+    let start = near.map(|(near, fit)| {
         let places = places(fitted, near);
         DVector::from_fn(data.parameters(), |index, _| match places[index].map(|place| fit.parameters[place]) {
             // A deviation that was 0 may not be 0 here.
@@ -228,19 +226,12 @@ fn fit_mixed(fitted: &Fitted, how: How<'_>) -> Option<MixedFit> {
             _ => plain.parameters[index],
         })
     });
-    if let Some((parameter, value)) = how.held {
-        let index = first_psi + parameter;
-        free.retain(|other| *other != index);
-        start.get_or_insert_with(|| plain.parameters.clone().resize_vertically(data.parameters(), 0.3))[index] =
-            value * fitted.random.units()[parameter];
-    }
     let information = how.informed.and_then(|informed| informed.information_on(&free, &places(fitted, informed)));
     let modes = near.map(|(_, fit)| &fit.modes);
     let information = information.as_ref();
-    let start_at = start.as_ref();
     let task = Task {
         plain,
-        start: start_at,
+        start: start.as_ref(),
         modes,
         information,
         free: &free,
@@ -250,12 +241,11 @@ fn fit_mixed(fitted: &Fitted, how: How<'_>) -> Option<MixedFit> {
     };
     let found = search::fit(&data, task);
     let good = |fit: &MixedFit| matches!(fit.end, MixedFitEnd::Converged | MixedFitEnd::Boundary);
-    if start_at.is_none() || found.as_ref().is_some_and(good) {
+    if start.is_none() || found.as_ref().is_some_and(good) {
         return found;
     }
-    // The similar fit was not so similar. A parameter that is held stands in the start.
-    let start = start_at.filter(|_| how.held.is_some());
-    search::fit(&data, Task { start, modes: None, information: None, rough: false, ..task }).or(found)
+    // The similar fit was not so similar.
+    search::fit(&data, Task { start: None, modes: None, information: None, rough: false, ..task }).or(found)
 }
 
 impl Fitted<'_> {

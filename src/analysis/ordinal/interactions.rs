@@ -7,9 +7,7 @@
 //! The fit has removed the part of the scores that the model explains, and other signs bring some of it back: the scores that
 //! get other signs are enlarged, such that their sum varies as much, on average, as the sum of the scores as they are. The
 //! statistic is shown in units in which its mean over the signs is that of χ², the number of degrees of freedom: the
-//! information does not know how participants differ, least of all in what varies only between them.
-//! The same signs for all interactions give the distribution of the smallest p, which corrects for their number (Westfall &
-//! Young 1993). Fewer than [`LEAST_FOR_SIGNS`] participants have too few signs, and items are shared by participants:
+//! information does not know how participants differ, least of all in what varies only between them. Fewer than [`LEAST_FOR_SIGNS`] participants have too few signs, and items are shared by participants:
 //! likelihood ratios of wider models in simulated studies take their place.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
@@ -81,72 +79,52 @@ fn pairs(full: &Fitted) -> Vec<Pair> {
 }
 
 fn by_signs(full: &Fitted, pairs: Vec<Pair>, seed: u64) -> Vec<Interaction> {
-    let scores: Vec<Option<Scores>> = {
-        let residuals = Residuals::of(full);
-        pairs
-            .par_iter()
-            .map(|(pair, terms)| residuals.scores(full, *terms).filter(|_| pair.test.df <= MAX_COLUMNS))
-            .collect()
-    };
-    // The statistics of each tested interaction, the observed one first; then the share of patterns that reach each one.
-    let mut statistics = vec![Vec::new(); pairs.len()];
+    let residuals = Residuals::of(full);
+    let scores = |(pair, terms): &Pair| residuals.scores(full, *terms).filter(|_| pair.test.df <= MAX_COLUMNS);
+    let scores: Vec<Option<Scores>> = pairs.par_iter().map(scores).collect();
+    // The number of patterns that reach each statistic; the signs as they are do.
+    let mut reached = vec![1_usize; pairs.len()];
     let patterns = each_block_of_signs(full.frame.subjects.len(), seed, |signs| {
-        statistics.par_iter_mut().zip(&scores).for_each(|(statistics, scores)| {
-            let sums = scores.as_ref().map(|scores| &scores.enlarged * signs);
-            statistics.extend(sums.iter().flat_map(|sums| sums.column_iter().map(|sum| sum.norm_squared())));
+        reached.par_iter_mut().zip(&scores).for_each(|(reached, scores)| {
+            let Some(Scores { observed, enlarged }) = scores else { return };
+            let sums = enlarged * signs;
+            *reached += sums.column_iter().filter(|sum| sum.norm_squared() >= observed * (1.0 - 1e-9)).count();
         });
     });
-    for (statistics, scores) in statistics.iter_mut().zip(&scores) {
-        statistics.iter_mut().zip(scores).for_each(|(first, scores)| *first = scores.observed);
-    }
-    let reached: Vec<Vec<f64>> = statistics.par_iter().map(|statistics| exceedances(statistics)).collect();
-    let least = |pattern: usize| reached.iter().filter_map(|p| p.get(pattern).copied()).fold(1.0, f64::min);
-    let least: Vec<f64> = (0..patterns).map(least).collect();
-    let mut tested = Vec::new();
-    for (((mut pair, _), scores), (statistics, p)) in
-        pairs.into_iter().zip(&scores).zip(statistics.iter().zip(&reached))
-    {
+    let tested = |(((mut pair, _), scores), reached): ((Pair, Option<Scores>), usize)| {
         let test = &mut pair.test;
-        if test.df <= MAX_COLUMNS {
+        if let Some(Scores { observed, enlarged }) = scores {
+            test.df = enlarged.nrows();
+            test.chi_squared = Some(observed * test.df as f64 / enlarged.norm_squared());
+            (test.p, test.draws, test.withheld) = (Some(reached as f64 / patterns as f64), Some(patterns), None);
+        } else if test.df <= MAX_COLUMNS {
             test.withheld = Some(Withheld::Aliased);
         }
-        if let (Some(scores), Some(statistic), Some(own)) = (scores, statistics.first(), p.first()) {
-            let reaching = least.iter().filter(|least| **least <= own + 1e-12).count();
-            let df = scores.enlarged.nrows();
-            let chi_squared = statistic * df as f64 / scores.enlarged.norm_squared();
-            (test.chi_squared, test.df, test.draws) = (Some(chi_squared), df, Some(patterns));
-            (test.p, test.withheld) = (Some(reaching as f64 / patterns as f64), None);
-        }
-        tested.push(pair);
-    }
+        pair
+    };
+    corrected(pairs.into_iter().zip(scores).zip(reached).map(tested).collect())
+}
+
+/// Corrects the probabilities for the number of interactions.
+fn corrected(mut tested: Vec<Interaction>) -> Vec<Interaction> {
+    let corrected = holm(&tested.iter().map(|own| own.test.p).collect::<Vec<_>>());
+    tested.iter_mut().zip(corrected).for_each(|(own, p)| own.test.p = p);
     tested
 }
 
-/// Returns the share of the statistics that are at least as large as each of them.
-pub(super) fn exceedances(statistics: &[f64]) -> Vec<f64> {
-    let mut sorted = statistics.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let below = |statistic: f64| sorted.partition_point(|other| *other < statistic * (1.0 - 1e-9));
-    statistics.iter().map(|statistic| (sorted.len() - below(*statistic)) as f64 / sorted.len() as f64).collect()
-}
-
 /// Makes patterns of signs, a sign for each participant in a column, block by block, because all of them would need gigabytes
-/// for thousands of participants; returns their number. They are all patterns that differ by more than a common sign, or
-/// random ones. The first has no negative sign.
+/// for thousands of participants. They are all patterns that differ by more than a common sign from the one without negative
+/// signs and from each other, or random ones. Returns their number, with that one.
 pub(super) fn each_block_of_signs(people: usize, seed: u64, mut each: impl FnMut(&DMatrix<f64>)) -> usize {
     const BLOCK: usize = 64;
     let is_enumerated = people <= MAX_ENUMERATED;
     let patterns = if is_enumerated { 1 << (people - 1) } else { 1 + SIGNS };
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut sign = |pattern: usize, person: usize| {
-        let is_positive = match pattern {
-            0 => true,
-            _ if is_enumerated => pattern >> person & 1 == 0,
-            _ => rng.random(),
-        };
+        let is_positive = if is_enumerated { pattern >> person & 1 == 0 } else { rng.random() };
         if is_positive { 1.0 } else { -1.0 }
     };
-    for first in (0..patterns).step_by(BLOCK) {
+    for first in (1..patterns).step_by(BLOCK) {
         let columns = BLOCK.min(patterns - first);
         each(&DMatrix::from_fn(people, columns, |person, column| sign(first + column, person)));
     }
@@ -256,8 +234,5 @@ fn by_ratios(full: &Fitted, pairs: Vec<Pair>, settings: Resampling) -> Vec<Inter
         own
     };
     let test = |(pair, _): Pair| Interaction { by_signs: false, test: tested(pair.test) };
-    let mut tested: Vec<Interaction> = pairs.into_par_iter().map(test).collect();
-    let corrected = holm(&tested.iter().map(|own| own.test.p).collect::<Vec<_>>());
-    tested.iter_mut().zip(corrected).for_each(|(own, p)| own.test.p = p);
-    tested
+    corrected(pairs.into_par_iter().map(test).collect())
 }

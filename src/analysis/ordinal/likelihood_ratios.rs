@@ -229,8 +229,8 @@ pub(super) fn probability(ratios: &[f64], observed: f64) -> Option<(f64, usize)>
 
 /// True if more simulated ratios would not change what a probability at the level 0.05 says.
 pub(super) fn is_decided(ratios: &[f64], observed: f64) -> bool {
-    /// Enough studies to give a probability with a relative error of a quarter.
-    const ENOUGH_LARGER: f64 = 20.0;
+    /// Enough studies to give a probability with a relative error of a third.
+    const ENOUGH_LARGER: f64 = 10.0;
     /// A probability from the tail that is below .001 by more than its error.
     const CLEAR: f64 = 3e-4;
     probability(ratios, observed).is_none_or(|(p, number)| {

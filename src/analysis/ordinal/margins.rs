@@ -13,7 +13,7 @@ use super::{
     fitting::Fitted,
     likelihood_ratios::{TermTest, Withheld},
     model::Model,
-    profile::{self, Quantity, chi_squared_limit, ratio_at_zero},
+    profile::{Quantity, chi_squared_limit, ratio_at_zero},
     terms::{Term, TermPart, Variable},
 };
 use crate::{
@@ -52,8 +52,8 @@ pub struct Comparison {
     pub expected: Option<[f64; 2]>,
     /// The standard error that p implies, with the normal distribution; p of the only difference of a term is the term's.
     pub se: Option<f64>,
-    /// The 95 % interval, with the limit of the term's likelihood ratio: that of the profile where a coefficient has one or it
-    /// was asked for, and otherwise symmetric; not corrected for the number of comparisons.
+    /// The 95 % interval, with the limit of the term's likelihood ratio: that of the profile where a coefficient has one, and
+    /// otherwise symmetric; not corrected for the number of comparisons.
     pub interval: Option<Interval>,
     /// Two-sided probability.
     pub p: Option<f64>,
@@ -65,11 +65,8 @@ pub struct Comparison {
 
 /// A difference of more standard errors than this needs no likelihood ratio.
 const CLEAR: f64 = 10.0;
-/// Maximum number of comparisons of a factor; more would not be read.
+/// If a factor has more pairs of levels than this, each level is compared only with the first one.
 const MAX_COMPARISONS: usize = 120;
-
-/// The name of a factor, and those of two of its levels.
-pub type Pair = (String, [String; 2]);
 
 /// The design rows of each combination of the levels of some factors, in the cells of the other factors.
 type Cells = BTreeMap<Vec<u32>, DMatrix<f64>>;
@@ -159,14 +156,12 @@ fn factors(fitted: &Fitted) -> BTreeSet<usize> {
 /// Returns the comparisons of all pairs of levels: of each factor whose effect is the same everywhere; on average over the
 /// other factors if it is not, but has a test; and, for each interaction of two factors, of each factor at each level of the
 /// other (simple effects); likewise of the lowest and the highest value of a number at each level of the factor with which it
-/// interacts. For a simple effect, the limit is the larger one of the interaction and the main effect. The differences that are
-/// `wanted` have profile intervals.
+/// interacts. For a simple effect, the limit is the larger one of the interaction and the main effect.
 pub(super) fn comparisons(
     fitted: &Fitted,
     model: &Model,
     limits: &[Result<f64, Withheld>],
     tests: &[TermTest],
-    wanted: &[Pair],
 ) -> Vec<Comparison> {
     let terms = &fitted.spec.terms;
     let mut all = Vec::new();
@@ -183,7 +178,7 @@ pub(super) fn comparisons(
             larger(limits, place, main)
         };
         match &term.variables[..] {
-            [factor @ Variable::Factor(_)] => all.extend(compare(fitted, model, factor, Scope::All(wanted), limit)),
+            [factor @ Variable::Factor(_)] => all.extend(compare(fitted, model, factor, Scope::All, limit)),
             [number @ Variable::Number(_), factor @ Variable::Factor(_)]
             | [factor @ Variable::Factor(_), number @ Variable::Number(_)] => {
                 all.extend(slopes(fitted, model, number, factor, with_main(number)).unwrap_or_default());
@@ -207,8 +202,8 @@ pub(super) fn larger(limits: &[Result<f64, Withheld>], one: usize, other: Option
 /// Where levels are compared.
 #[derive(Clone, Copy)]
 enum Scope<'a> {
-    /// Everywhere: the effect is the same. These pairs have profile intervals.
-    All(&'a [Pair]),
+    /// Everywhere: the effect is the same.
+    All,
     /// On average over the factors with which this one interacts, which has this test.
     Average(&'a TermTest),
     /// At each level of another factor.
@@ -234,12 +229,7 @@ fn compare(
     levels.sort_unstable();
     let strata =
         other.map_or_else(|| vec![None], |other| fitted.frame.levels(other).iter().copied().map(Some).collect());
-    let wanted = if let Scope::All(wanted) = scope { wanted } else { &[] };
     let name = |factor: usize, level: u32| counts.factors[factor].levels[level as usize].clone();
-    let is_wanted = |levels: [u32; 2]| {
-        let names = levels.map(|level| name(own, level));
-        wanted.iter().any(|(of, levels)| of == factor.name() && *levels == names)
-    };
     let values = values_of(&model.categories);
     let rows = |level: u32, stratum: Option<u32>| cells.get(&[level].into_iter().chain(stratum).collect::<Vec<_>>());
     // If a column was dropped, a level without a coefficient is not necessarily the baseline.
@@ -251,26 +241,16 @@ fn compare(
         let name = name(own, level);
         fitted.x.columns.iter().position(|column| is_level(&column.parts, factor.name(), &name))
     };
-    let quantity = |level: u32, lower: u32| match (column(level), column(lower)) {
-        (Some(one), Some(other)) => Some(Quantity::Difference(one, other)),
-        (Some(one), None) | (None, Some(one)) => Some(Quantity::Coefficient(one)),
-        (None, None) => None,
-    };
-    let ratio = |level: u32, lower: u32| match scope {
-        Scope::All(_) => ratio_at_zero(fitted, quantity(level, lower)?),
-        Scope::Average(test) if test.df == 1 => test.chi_squared,
+    let ratio = |level: u32, lower: u32| match (scope, column(level), column(lower)) {
+        (Scope::All, Some(one), Some(other)) => ratio_at_zero(fitted, Quantity::Difference(one, other)),
+        (Scope::All, one, other) => ratio_at_zero(fitted, Quantity::Coefficient(one.or(other)?)),
+        (Scope::Average(test), ..) if test.df == 1 => test.chi_squared,
         _ => None,
     };
-    let interval = |levels: [u32; 2], estimate: f64, se: f64| match (scope, quantity(levels[0], levels[1])?) {
-        (Scope::All(_), Quantity::Coefficient(column)) => {
-            let own = &model.coefficients[column];
-            let signs = [1.0, -1.0].into_iter();
-            let sign = signs.into_iter().find(|sign| (sign * own.estimate - estimate).abs() < 1e-9)?;
-            own.interval.map(|interval| interval.scaled(sign))
-        }
-        (_, quantity) if is_wanted(levels) && estimate.is_finite() && se.is_finite() => {
-            profile::interval(fitted, quantity, estimate, se, [limit.ok()?; 2])
-        }
+    // A difference from the baseline is a coefficient.
+    let interval = |level: u32, lower: u32| match (scope, column(level), column(lower)) {
+        (Scope::All, Some(one), None) => model.coefficients[one].interval,
+        (Scope::All, None, Some(other)) => Some(model.coefficients[other].interval?.scaled(-1.0)),
         _ => None,
     };
     let pairs_of = |stratum: Option<u32>| {
@@ -279,14 +259,14 @@ fn compare(
     };
     let mut pairs: Vec<(Option<u32>, u32, u32)> = strata.into_iter().flat_map(pairs_of).collect();
     let are_many = pairs.len() > MAX_COMPARISONS;
-    pairs.retain(|&(_, level, lower)| !are_many || is_wanted([level, lower]));
+    pairs.retain(|&(_, _, lower)| !are_many || lower == levels[0]);
     let compare = |(stratum, level, lower): (Option<u32>, u32, u32)| {
         let x = [rows(level, stratum)?, rows(lower, stratum)?];
         let (estimate, se) = estimated(model, &(x[0].row_mean() - x[1].row_mean()).transpose());
         // Where the likelihood ratio is known, the standard error that it implies, so that p and the interval are those of
         // the ratio.
-        // A difference of many standard errors is clear without it.
-        let is_clear = estimate.abs() > CLEAR * se;
+        // A difference of many standard errors is clear without it, and many differences would take too long.
+        let is_clear = are_many || estimate.abs() > CLEAR * se;
         let implied = if is_clear { None } else { ratio(level, lower).filter(|ratio| *ratio > 0.01) };
         let implied = implied.map(|ratio| estimate.abs() / ratio.sqrt());
         let at = other.zip(stratum).map(|(other, stratum)| (counts.factors[other].name.clone(), name(other, stratum)));
@@ -294,10 +274,8 @@ fn compare(
         let expected = Some(x.map(|x| expected(model, x, &values).0));
         let average = matches!(scope, Scope::Average(_));
         let own = Comparison { expected, average, ..Comparison::new(names, (estimate, implied.unwrap_or(se)), limit) };
-        let interval = own.interval.and_then(|_| interval([level, lower], estimate, se)).or(own.interval);
-        // Of many pairs, those with the largest difference are wanted: their p would be too small.
-        let [p, se] = [own.p, own.se].map(|number| number.filter(|_| !are_many));
-        Some(Comparison { interval, p, se, ..own })
+        let interval = own.interval.and_then(|_| interval(level, lower)).or(own.interval);
+        Some(Comparison { interval, ..own })
     };
     corrected(pairs.into_par_iter().filter_map(compare).collect())
 }

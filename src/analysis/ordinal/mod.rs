@@ -41,7 +41,7 @@ pub use link::Link;
 pub use margins::{Comparison, Margin};
 pub use model::{
     Coefficient, MAX_COEFFICIENTS, Model, ModelError, ModelSpec, Note, Random, RandomEffect, RandomSlope, Slopes,
-    SubjectMode, Threshold,
+    Threshold,
 };
 
 pub use resampling::Resampling;

@@ -120,16 +120,12 @@ pub struct RandomEffect {
     pub sd: f64,
     /// Standard error of `sd`; `None` if `sd` is 0.
     pub se: Option<f64>,
-    /// The 95 % profile-likelihood interval of `sd`; `None` if the effects are correlated.
-    pub interval: Option<Interval>,
     /// The random slopes, in the order of the terms.
     pub slopes: Vec<RandomSlope>,
     /// The random intercept of the items, if there are any.
     pub items: Option<RandomSlope>,
     /// Correlations of the intercept and the slopes, in this order; `None` if they are independent.
     pub correlations: Option<Vec<Vec<f64>>>,
-    /// Each participant's intercept.
-    pub subjects: Vec<SubjectMode>,
 }
 
 /// How much participants differ in an effect, or items in their ratings.
@@ -144,18 +140,6 @@ pub struct RandomSlope {
     pub sd: f64,
     /// Standard error of `sd`; `None` if `sd` is 0.
     pub se: Option<f64>,
-    /// The 95 % profile-likelihood interval of `sd`; `None` if the effects are correlated.
-    pub interval: Option<Interval>,
-}
-
-/// A participant's intercept given their ratings.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct SubjectMode {
-    pub subject: String,
-    /// The most probable intercept. A positive intercept means higher ratings.
-    pub mode: f64,
-    /// Conditional standard deviation of the intercept.
-    pub sd: f64,
 }
 
 /// A fitted model.
@@ -193,17 +177,15 @@ impl Model {
         !self.notes.iter().any(|note| matches!(note, Note::NotConverged { .. }))
     }
 
-    /// Returns the share of the latent variance that the random intercept accounts for (the intraclass correlation), and
-    /// its 95 % interval, which follows from that of the standard deviation.
-    pub fn share_between(&self) -> (Option<f64>, Option<Interval>) {
-        let Some(random) = &self.random else { return (None, None) };
+    /// Returns the share of the latent variance that the random intercept accounts for (the intraclass correlation).
+    pub fn share_between(&self) -> Option<f64> {
+        let random = self.random.as_ref().filter(|random| random.correlations.is_none())?;
         // A slope on a number has another unit; a deviation at a level belongs to the rating's own variance.
         let is_factor = |variable: &Variable| matches!(variable, Variable::Factor(_));
         let levels = random.slopes.iter().filter(|slope| slope.term.variables.iter().all(is_factor));
         let rest = self.link.sd().powi(2) + levels.chain(&random.items).map(|slope| slope.sd * slope.sd).sum::<f64>();
-        let share = |sd: f64| if sd.is_finite() { sd * sd / (sd * sd + rest) } else { 1.0 };
-        let interval = random.interval.map(|i| Interval { low: share(i.low), high: share(i.high) });
-        if random.correlations.is_some() { (None, None) } else { (Some(share(random.sd)), interval) }
+        let own = random.sd * random.sd;
+        Some(own / (own + rest))
     }
 
     /// Returns the Bayesian information criterion with the number of ratings, as in R.
@@ -223,17 +205,14 @@ impl Model {
 pub enum Note {
     /// Some ratings have no value for a factor that the model needs.
     #[error(
-        "{}{ratings} {} without a value of {factor} {} excluded",
-        if *.further { "a further " } else { "" },
+        "{ratings} {} without a value of {factor} {} excluded",
         if *.ratings == 1 { "rating" } else { "ratings" },
         if *.ratings == 1 { "is" } else { "are" }
     )]
     MissingValues {
         factor: String,
-        /// Number of excluded ratings.
+        /// Number of excluded ratings; those without a value of another factor that is named before are not counted again.
         ratings: u64,
-        /// Whether ratings without a value of another factor are excluded before, and not counted here.
-        further: bool,
     },
     /// Nobody used this category, or any of these, so its probability cannot be estimated and it is excluded.
     #[error("no rating is {category}, so the model has no such category")]
@@ -281,7 +260,7 @@ pub enum Note {
     },
     /// The first level of a factor has no finite effect, so another level became the baseline.
     #[error(
-        "the factor {factor} is compared with {baseline}, because all ratings at {separated} are {category}: a comparison with it would have no finite estimate"
+        "the baseline of {factor} is {baseline}, because all ratings at {separated} are {category}: a comparison with {separated} would have no finite estimate"
     )]
     Rebased {
         factor: String,
@@ -297,16 +276,6 @@ pub enum Note {
     /// Every participant gave one rating.
     #[error("each participant gave one rating, so there is no random intercept: all ratings are independent")]
     OneRatingEach,
-    /// The variance between participants is 0, because participants do not differ.
-    #[error("the estimated variance between participants is 0, so the random intercept has no effect")]
-    NoSubjectVariance,
-    /// Participants do not differ in an effect, as far as the ratings show.
-    #[error("the estimated variance between participants in the effect of {term} is 0")]
-    NoSlopeVariance {
-        term: String,
-        #[serde(skip)]
-        of: Term,
-    },
     /// There are too few ratings per participant and level for a random slope.
     #[error(
         "the design does not support differences between participants in the effect of {term}: there are fewer than two ratings per random effect"
@@ -316,9 +285,6 @@ pub enum Note {
         #[serde(skip)]
         of: Term,
     },
-    /// Items do not differ, as far as the ratings show.
-    #[error("the estimated variance between the levels of {items} is 0")]
-    NoItemVariance { items: String },
     /// The correlated random effects have a variance of 0 in some direction.
     #[error("the covariance matrix of the random effects is singular, so their correlations are not reliable")]
     SingularCovariance,

@@ -17,8 +17,6 @@ const FAR: f64 = 40.0;
 const MANY_PER_PARAMETER: u64 = 10_000;
 /// Number of participants from which the profile may be normal.
 const MANY_PEOPLE: usize = 100;
-/// A standard deviation with a smaller relative error than this has a normal logarithm.
-const CERTAIN: f64 = 0.1;
 
 /// A quantity whose profile is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,8 +25,6 @@ pub(super) enum Quantity {
     Coefficient(usize),
     /// The coefficient of a column minus that of another.
     Difference(usize, usize),
-    /// The standard deviation of a component of independent random effects.
-    Deviation(usize),
 }
 
 /// Returns the upper 5 % point of the χ² distribution.
@@ -42,79 +38,42 @@ pub(super) fn ratio_at_zero(full: &Fitted, quantity: Quantity) -> Option<f64> {
     comparable(full, &fitted).then(|| (2.0 * (full.loglik() - fitted.loglik())).max(0.0))
 }
 
-/// Returns the interval of a quantity. `limits` are the largest likelihood ratios below and above the estimate; `se` is
-/// where the search begins. An end is infinite if no finite value is excluded. `None` if the profile cannot be computed.
-pub(super) fn interval(
-    full: &Fitted,
-    quantity: Quantity,
-    estimate: f64,
-    se: f64,
-    limits: [f64; 2],
-) -> Option<Interval> {
+/// Returns the interval of the coefficient of a column. `limit` is the largest likelihood ratio; `se` is where the search
+/// begins. An end is infinite if no finite value is excluded. `None` if the profile cannot be computed.
+pub(super) fn interval(full: &Fitted, column: usize, estimate: f64, se: f64, limit: f64) -> Option<Interval> {
     let is_large = full.frame.total() >= MANY_PER_PARAMETER * full.parameters() as u64;
     if is_large && full.frame.subjects.len() >= MANY_PEOPLE {
-        let [below, above] = limits.map(|limit| limit.sqrt() * se);
-        match quantity {
-            Quantity::Deviation(_) if se >= CERTAIN * estimate => {}
-            Quantity::Deviation(_) => {
-                let end = |distance: f64| estimate * (distance / estimate).exp();
-                return Some(Interval { low: end(-below), high: end(above) });
-            }
-            _ => return Some(Interval { low: estimate - below, high: estimate + above }),
-        }
+        return Interval::around(estimate, Some(se), limit.sqrt());
     }
     let ratio = |value: f64| {
-        let fitted = hold(full, quantity, value)?;
+        let fitted = hold(full, Quantity::Coefficient(column), value)?;
         comparable(full, &fitted).then(|| 2.0 * (full.loglik() - fitted.loglik()))
     };
     // On the scale of the link, whatever the unit of a number is.
-    let scale = match quantity {
-        Quantity::Coefficient(column) | Quantity::Difference(column, _) => full.standard.scales[column],
-        Quantity::Deviation(component) => full.random.components[component].unit,
-    };
-    let [low, high] = [(-1.0, limits[0]), (1.0, limits[1])].map(|(direction, limit)| {
-        let least = if matches!(quantity, Quantity::Deviation(_)) { Some(0.0) } else { None };
-        end(&ratio, estimate, direction * se, limit, least, FAR / scale)
-    });
+    let far = FAR / full.standard.scales[column];
+    let [low, high] = [-se, se].map(|step| end(&ratio, estimate, step, limit, far));
     Some(Interval { low: low?, high: high? })
 }
 
-/// Finds the value in the direction of `step` at which the ratio reaches the limit, or `least` if that value does not
-/// reach it. A distance above `far` is as good as infinite. The root of the ratio is almost linear, so its inverse is interpolated.
-fn end(
-    ratio: &impl Fn(f64) -> Option<f64>,
-    estimate: f64,
-    step: f64,
-    limit: f64,
-    least: Option<f64>,
-    far: f64,
-) -> Option<f64> {
+/// Finds the value in the direction of `step` at which the ratio reaches the limit. A distance above `far` is as good as
+/// infinite. The root of the ratio is almost linear, so its inverse is interpolated.
+fn end(ratio: &impl Fn(f64) -> Option<f64>, estimate: f64, step: f64, limit: f64, far: f64) -> Option<f64> {
     let wanted = limit.sqrt();
-    let bounded = |distance: f64| {
-        let value = estimate + step.signum() * distance;
-        least.map_or(value, |least| value.max(least))
-    };
-    if let Some(least) = least.filter(|_| step < 0.0)
-        && (estimate <= least || ratio(least)? <= limit)
-    {
-        return Some(least);
-    }
+    let at = |distance: f64| estimate + step.signum() * distance;
     // The nearest distances known to be inside and outside, with the roots of their ratios.
     let (mut inside, mut outside) = ((0.0, 0.0), None::<(f64, f64)>);
     let mut distance = step.abs() * wanted;
     for _ in 0..25 {
-        let value = bounded(distance);
-        let distance_now = (value - estimate).abs();
-        let root = ratio(value)?.max(0.0).sqrt();
+        let root = ratio(at(distance))?.max(0.0).sqrt();
         if (root - wanted).abs() < 2e-3 * wanted {
-            return Some(value);
+            break;
         }
         if root < wanted {
-            inside = (distance_now, root);
+            inside = (distance, root);
         } else {
-            outside = Some((distance_now, root));
+            outside = Some((distance, root));
         }
-        if distance_now > far && outside.is_none() {
+        if distance > far && outside.is_none() {
             return Some(step.signum() * f64::INFINITY);
         }
         distance = match outside {
@@ -123,36 +82,18 @@ fn end(
                 inside.0 + (far - inside.0) * share.clamp(0.05, 0.95)
             }
             // Extrapolate, but not more than threefold.
-            None => distance_now * (wanted / root.max(1e-3)).clamp(1.2, 3.0),
+            None => distance * (wanted / root.max(1e-3)).clamp(1.2, 3.0),
         };
     }
-    Some(bounded(distance))
+    Some(at(distance))
 }
 
 /// Fits the model with a given value of a quantity.
 fn hold<'a>(full: &Fitted<'a>, quantity: Quantity, value: f64) -> Option<Fitted<'a>> {
-    let mut held = None;
     let x = match quantity {
         Quantity::Coefficient(column) => full.x.held(&full.standard, &[(column, value)]),
         Quantity::Difference(a, b) => full.x.joined(a, b).held(&full.standard, &[(a, value)]),
-        Quantity::Deviation(parameter) => {
-            held = Some((parameter, value));
-            full.x.clone()
-        }
     };
-    let how = How { near: Some(full), informed: Some(full), x: Some(&x), held, ..How::default() };
+    let how = How { near: Some(full), informed: Some(full), x: Some(&x), ..How::default() };
     fit_terms(full.frame.clone(), full.spec.clone(), Vec::new(), how).ok()
-}
-
-/// Returns the limits for the profile of a standard deviation: those that are exact if the deviations of `all` effects
-/// are known, of which `df` are free. With few participants, an estimate is too small on average, so the interval
-/// reaches further up than down.
-pub(super) fn deviation_limits(all: f64, df: f64) -> [f64; 2] {
-    let ratio = |tail: f64| {
-        let share = chi_squared_quantile(tail, df.max(1.0)) / all;
-        (share, all * (share - 1.0 - share.ln()))
-    };
-    let (upper, lower) = (ratio(1.0 - (1.0 - LEVEL) / 2.0), ratio((1.0 - LEVEL) / 2.0));
-    // An estimate that is usually too small excludes smaller values easily.
-    [if upper.0 > 1.0 { upper.1 } else { 0.0 }, lower.1]
 }

@@ -259,8 +259,6 @@ pub(super) struct Loadings {
     /// Effects that are related only through the others: those of different participants, or those of a participant at
     /// different levels of the component with the most of them, which come first.
     pub blocks: Blocks,
-    /// Index of a participant's intercept among the participant's effects.
-    pub intercept: usize,
     /// Number of parameters ψ.
     pub parameters: usize,
     pub slots_per_row: usize,
@@ -321,7 +319,6 @@ impl Loadings {
         let is_deviation = |parameter: &usize| elements[*parameter].0 == elements[*parameter].1;
         Self {
             blocks,
-            intercept: firsts.first().copied().unwrap_or(0),
             slots_per_row: components.len(),
             slots,
             entries,

@@ -70,7 +70,7 @@ pub(super) struct Task<'a> {
     pub modes: Option<&'a Modes>,
     /// The information of the free parameters in a similar fit.
     pub information: Option<&'a DMatrix<f64>>,
-    /// Whether a deviation that arrives at 0 stays there.
+    /// Whether a deviation that arrives at 0 stays there, and the likelihood is needed to six decimals only.
     pub rough: bool,
     /// The indices of the parameters that may change, in order.
     pub free: &'a [usize],
@@ -252,8 +252,8 @@ impl<'a> Search<'a> {
     /// Takes quasi-Newton steps (Broyden, Fletcher, Goldfarb, Shanno).
     fn climb(&mut self, task: Task<'_>) -> MixedFitEnd {
         const MAX_ITERATIONS: usize = 300;
-        /// Twice the distance of the log-likelihood from its maximum that is as good as none.
-        const SMALL: f64 = 1e-9;
+        // Twice the distance of the log-likelihood from its maximum that is as good as none.
+        let small = if task.rough { 1e-6 } else { 1e-9 };
         for iteration in 0..MAX_ITERATIONS {
             checkpoint();
             // Newton's method takes over near the maximum.
@@ -265,7 +265,7 @@ impl<'a> Search<'a> {
             }
             let before = self.free_gradient();
             let mut step = &self.inverse * &before;
-            if !task.errors && iteration > 0 && before.dot(&step) < SMALL {
+            if !task.errors && iteration > 0 && before.dot(&step) < small {
                 return MixedFitEnd::Converged;
             }
             // Limit how far a parameter can jump: a bound that moves by 3 has crossed most of the scale.

@@ -16,8 +16,6 @@ use crate::{
     statistics::Interval,
 };
 
-/// Number of random orders in Friedman's test of a simulated study, if they cannot be enumerated.
-const PERMUTATIONS: usize = 1999;
 /// Fewest and most studies without an effect that calibrate its test.
 const WITHOUT_EFFECT: (u32, u32) = (199, 999);
 
@@ -233,9 +231,7 @@ fn outcomes(counts: &Counts, spec: &ModelSpec, hypotheses: &[Hypothesis], nulls:
     let withheld = |hypothesis: &Hypothesis| fitted.as_ref()?.withheld(&hypothesis.term);
     let outcome = |(hypothesis, null): (&Hypothesis, _)| match (hypothesis.test, counts.factor(hypothesis.term.name()))
     {
-        (Test::Friedman, Some((factor, _))) => {
-            (friedman(&SubjectMeans::new(counts, factor), PERMUTATIONS).map(|test| test.p), None)
-        }
+        (Test::Friedman, Some((factor, _))) => (friedman(&SubjectMeans::new(counts, factor)).map(|test| test.p), None),
         _ => (probability(hypothesis, null).filter(|_| withheld(hypothesis).is_none()), withheld(hypothesis)),
     };
     hypotheses.iter().zip(nulls).map(outcome).collect()

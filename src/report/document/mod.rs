@@ -6,7 +6,7 @@ mod shown;
 
 pub use numbers::{
     count, either, fixed, list, mean, p_is, percent, probability, range, ratio, short_list, significant, times, unit,
-    whole, with_interval,
+    whole, whole_percent, with_interval,
 };
 pub use shown::Shown;
 

@@ -117,11 +117,18 @@ pub fn with_interval(interval: Option<Interval>, format: impl Fn(f64) -> Shown) 
     }
 }
 
-/// Formats a proportion as a percentage: `95 %`.
+/// Formats a proportion as a percentage with at most one decimal: `95 %`. Only 0 and 1 are 0 % and 100 %.
 pub fn percent(proportion: f64) -> Shown {
     let percent = 100.0 * proportion;
-    let decimals = usize::from((percent - percent.round()).abs() > 1e-9);
-    Shown::new(proportion, format!("{}{NBSP}%", fixed(percent, decimals)))
+    let is_whole = (percent - percent.round()).abs() < 1e-9;
+    let text = if is_whole { fixed(percent, 0) } else { fixed(percent.clamp(0.1, 99.9), 1) };
+    Shown::new(proportion, format!("{text}{NBSP}%"))
+}
+
+/// Formats a proportion as a percentage without decimals, unless it would be 0 % or 100 % only by rounding.
+pub fn whole_percent(proportion: f64) -> Shown {
+    let rounded = (100.0 * proportion).round() / 100.0;
+    percent(if rounded > 0.0 && rounded < 1.0 { rounded } else { proportion })
 }
 
 /// Formats a count with its noun, which must have a regular plural: `1 session`, `2 sessions`.

@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     analysis::{Results, summary::by_levels},
-    report::names,
+    report::{document::whole_percent, names},
 };
 
 /// Maximum number of categories in the legend; readers can interpolate the colors in between.
@@ -42,7 +42,7 @@ pub(super) fn proportions(results: &Results) -> Option<Figure> {
             let (x, mut from) = (panel.x(*at), 0.0);
             for (index, share) in summary.proportions.iter().enumerate().filter(|(_, share)| **share > 0.0) {
                 let (name, to) = (labels::level(&counts.categories[index]), from + 100.0 * share);
-                let text = format!("{name}: {:.0} % of {} ratings", 100.0 * share, summary.n);
+                let text = format!("{name}: {} of {} ratings", whole_percent(*share), summary.n);
                 svg.bar((x - half, panel.y(to)), (x + half, panel.y(from)), color(index), text);
                 from = to;
             }

@@ -101,8 +101,9 @@ pub(super) fn effects(results: &Results) -> Option<Figure> {
     let effects = shown.iter().map(|own| Some((own.estimate, own.interval))).collect();
     let names = shown.iter().map(|own| names::coefficient(results, &own.parts)).collect::<Vec<_>>();
     let caption = format!(
-        "Coefficients of the cumulative-link {}model{}; bars are 95\u{a0}% intervals, where there are any. Positive values mean \
-         higher ratings than at the factor’s baseline, the level without a coefficient, or with a larger number; {}.",
+        "Coefficients of the cumulative-link {}model{}, from {}; bars are 95\u{a0}% intervals, where there are any. A positive \
+         value means higher ratings than at the factor’s baseline (the level without a coefficient) or, of a number, ratings \
+         that rise with it.",
         if model.random.is_some() { "mixed " } else { "" },
         some_of(shown.len(), model.coefficients.len()),
         count(model.nobs, "rating")

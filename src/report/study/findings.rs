@@ -15,7 +15,7 @@ use crate::{
         results::FactorResults,
         terms::{Term, Variable},
     },
-    report::document::{Shown, count, fixed, list, mean, p_is, percent, ratio, short_list, with_interval},
+    report::document::{Shown, count, fixed, list, mean, p_is, ratio, short_list, whole_percent, with_interval},
     statistics::Interval,
 };
 
@@ -60,21 +60,12 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
             evidence.test
         );
     }
-    let [(least, low), (most, high)] = least_and_most(results, factor);
-    let ratings = if factor.marginal.is_some() { "the ratings that the model expects" } else { "mean ratings" };
-    let span = match factor.levels.len() {
-        _ if low == high => format!("By {name}, {ratings} are {least} at all levels"),
-        2 => format!("By {name}, {ratings} are {least} at {low} and {most} at {high}"),
-        // A slope is the same at every level.
-        _ if is_trend => format!("By {name}, {ratings} lie between {least} and {most}"),
-        _ => format!("By {name}, {ratings} lie between {least} (at {low}) and {most} (at {high})"),
-    };
     let mut text = before
         + &if evidence.p < ALPHA {
             let whose = if results.is_inferential() { "" } else { " to this participant" };
             format!(
                 "{}; if {name} made no difference{whose}, {} would be unlikely ({}, {p}).",
-                if is_trend && factor.course().is_none() { span } else { means(results, factor) },
+                means(results, factor),
                 match (evidence.is_rank_test, factor.levels.len()) {
                     (true, _) => "orders this consistent",
                     (false, 2) => "a difference this large",
@@ -90,7 +81,7 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
                 (true, true) => "this study shows no clear linear trend",
                 (false, true) => "these trials show no clear linear trend",
             };
-            format!("{span}, and {what} ({}, {p}).", evidence.test)
+            format!("{}, and {what} ({}, {p}).", span(results, factor), evidence.test)
         };
     // If no test distinguishes the levels, the two extremes may differ only by chance, so their contrast is not
     // reported.
@@ -121,14 +112,11 @@ fn caveat(results: &Results, factor: &FactorResults, size: Option<&Size>) -> Opt
     let difference = |means: &[f64]| means[second] - means[first];
     let is_clear = size.and_then(|size| size.interval).is_some_and(|interval| !interval.contains(0.0));
     let reason = incomparable(results, factor);
-    let at = |place: usize| {
-        format!("{} at {}", mean(raw.means()[place]), names::level_of(results, factor, &factor.levels[place]))
-    };
     Some(if is_clear && difference(&raw.means()) * difference(&factor.means()) < 0.0 {
         format!(
             "The raw means by {name} mislead ({} and {}): {reason}, and {} the order is the opposite. ",
-            at(first),
-            at(second),
+            mean_at(results, &raw, first),
+            mean_at(results, &raw, second),
             if factor.within { "within participants" } else { "in the model" }
         )
     } else {
@@ -195,38 +183,52 @@ fn untested(results: &Results, factor: &FactorResults) -> String {
     format!("The effect of {name} could not be tested: {reason}.")
 }
 
+/// Returns the mean at a level, such as `1.20 at 45°`.
+fn mean_at(results: &Results, factor: &FactorResults, level: usize) -> String {
+    format!("{} at {}", mean(factor.means()[level]), names::level_of(results, factor, &factor.levels[level]))
+}
+
 /// Describes the means in a sentence without its period. For a single participant, the sentence describes only these
 /// ratings.
 fn means(results: &Results, factor: &FactorResults) -> String {
     let name = names::factor(results, &factor.name);
-    let (the_mean, of_these) = match (&factor.marginal, results.is_inferential()) {
-        (Some(_), _) => ("The rating that the model expects", "the rating that the model expects"),
-        (None, true) => ("The mean rating", "the mean rating"),
-        (None, false) => ("In these ratings, the mean", "the mean of these ratings"),
+    let the_mean = match (&factor.marginal, results.is_inferential()) {
+        (Some(_), _) => "The rating that the model expects",
+        (None, true) => "The mean rating",
+        (None, false) => "In these ratings, the mean",
     };
     let last = factor.levels.len() - 1;
-    let values = factor.means();
-    let at = |index: usize| {
-        format!("{} at {}", mean(values[index]), names::level_of(results, factor, &factor.levels[index]))
-    };
-    let ends = format!("from {} to {}", at(0), at(last));
-    let [(least, low), (most, high)] = least_and_most(results, factor);
+    let ends = || format!("from {} to {}", mean_at(results, factor, 0), mean_at(results, factor, last));
     match factor.course() {
         Some(tau) if tau.abs() >= 1.0 => {
             let verb = if tau > 0.0 { "rises" } else { "falls" };
             let steps = if last == 1 { "" } else { " at every step" };
-            format!("{the_mean} {verb} with {name}{steps}, {ends}")
+            format!("{the_mean} {verb} with {name}{steps}, {}", ends())
         }
         Some(tau) => {
             let verb = if tau > 0.0 { "rise" } else { "fall" };
-            format!("{the_mean} tends to {verb} with {name}, {ends}, though not at every step")
+            format!("{the_mean} tends to {verb} with {name}, {}, though not at every step", ends())
         }
-        None if low == high => format!("{the_mean} is {least}: the same at all levels of {name}"),
-        None if factor.levels.len() == 2 => {
-            format!("By {name}, {of_these} is higher at {high} ({most}) than at {low} ({least})")
-        }
-        None => format!("By {name}, {of_these} is highest ({most}) at {high} and lowest ({least}) at {low}"),
+        None => span(results, factor),
     }
+}
+
+/// Describes the means without a direction.
+fn span(results: &Results, factor: &FactorResults) -> String {
+    let ratings = match (&factor.marginal, results.is_inferential()) {
+        (Some(_), _) => "the ratings that the model expects",
+        (None, true) => "mean ratings",
+        (None, false) => "the means of these ratings",
+    };
+    let [(least, low), (most, high)] = least_and_most(results, factor);
+    let span = match factor.levels.len() {
+        _ if low == high => format!("are {least} at all levels"),
+        2 => format!("are {} and {}", mean_at(results, factor, 0), mean_at(results, factor, 1)),
+        // A slope is the same at every level.
+        _ if is_slope(results, &factor.name) => format!("lie between {least} and {most}"),
+        _ => format!("lie between {least} (at {low}) and {most} (at {high})"),
+    };
+    format!("By {}, {ratings} {span}", names::factor(results, &factor.name))
 }
 
 /// True if the model has the slope of a factor's numbers, and not the differences between its levels.
@@ -273,7 +275,6 @@ pub(super) fn evidence(results: &Results, factor: &FactorResults) -> Option<Evid
     let test = factor.friedman.filter(|_| factor.within && results.is_inferential())?;
     let name = match test.method {
         PMethod::Exact => "exact Friedman test",
-        PMethod::Permutations => "Friedman test, p from random orders",
         PMethod::ChiSquared => "Friedman test",
     };
     let text = format!("{name}: χ²({}) = {}", test.df, fixed(test.chi_squared, 1));
@@ -322,26 +323,26 @@ fn size_in_model(results: &Results, report: &ModelReport, factor: &FactorResults
     if !contrast.estimate.is_finite() {
         return None;
     }
-    // The higher level comes first.
-    let flip = contrast.estimate < 0.0;
-    let (higher, lower) = if flip { (&contrast.other, &contrast.level) } else { (&contrast.level, &contrast.other) };
-    let [higher, lower] = [higher, lower].map(|level| names::level(results, &factor.name, level));
-    let estimate = contrast.estimate.abs();
-    let interval = contrast.interval.map(|i| if flip { i.scaled(-1.0) } else { i });
+    let (estimate, interval) = (contrast.estimate, contrast.interval);
+    let [later, earlier] = [&contrast.level, &contrast.other].map(|level| names::level(results, &factor.name, level));
     let value = |estimate: f64| on_scale(results, estimate);
-    let superiority = |estimate: f64| percent((100.0 * results.spec.link.superiority(estimate)).round() / 100.0);
+    let superiority = |estimate: f64| {
+        let share = results.spec.link.superiority(estimate);
+        // Only an infinite difference is one in all pairs.
+        whole_percent(if estimate.is_finite() { share.clamp(1e-6, 1.0 - 1e-6) } else { share })
+    };
     let of_pairs = format!(
-        "the latent response at {higher} exceeds that at {lower} in an estimated {} of pairs{}",
+        "the latent response at {later} exceeds that at {earlier} in an estimated {} of pairs{}",
         superiority(estimate),
         with_interval(interval, superiority)
     );
     let (size, interval_text) = (value(estimate), with_interval(interval, value));
     let text = match results.spec.link {
         Link::Logit => format!(
-            "the odds of a higher rating at {higher} are an estimated {size} times those at {lower}{interval_text}; {of_pairs}"
+            "the odds of a higher rating at {later} are an estimated {size} times those at {earlier}{interval_text}; {of_pairs}"
         ),
         Link::Probit => format!(
-            "on the latent scale, {higher} is an estimated {size} standard deviations above {lower}{interval_text}; {of_pairs}"
+            "on the latent scale, {later} minus {earlier} is an estimated {size} standard deviations{interval_text}; {of_pairs}"
         ),
     };
     let text = if is_average { format!("on average over {}, {text}", partners(results, term)) } else { text };
@@ -376,7 +377,7 @@ pub(super) fn range_of(results: &Results, variable: &Variable) -> Option<(f64, S
         [first, last].map(|(_, level)| crate::report::names::rounded_level(results, &factor.name, level, 4));
     let what = match results.spec.link {
         Link::Logit => "the odds of a higher rating are multiplied by",
-        Link::Probit => "the shift of the latent response in standard deviations is",
+        Link::Probit => "the latent response shifts, in standard deviations, by",
     };
     Some((last.0 - first.0, format!("From {name} {low} to {high}, {what}")))
 }
@@ -403,20 +404,17 @@ pub(super) fn on_scale(results: &Results, difference: f64) -> Shown {
 /// Describes the mean of the participants' differences between two levels. Its t interval is given only if it says about 0
 /// what the test says.
 fn difference_of_means(results: &Results, factor: &FactorResults, evidence: &Evidence) -> Option<Size> {
-    let (places, _) = factor.contrast();
-    let levels = places.map(|place| factor.levels[place].names.first().map_or("", String::as_str));
+    let ([earlier, later], _) = factor.contrast();
+    let levels = [later, earlier].map(|place| factor.levels[place].names.first().map_or("", String::as_str));
     let (difference, interval) = factor.matched.difference(levels)?;
     let interval = interval.filter(|i| (i.low > 0.0 || i.high < 0.0) == (evidence.p < ALPHA));
-    let flip = difference < 0.0;
-    let [higher, lower] =
-        (if flip { [levels[1], levels[0]] } else { levels }).map(|l| names::level(results, &factor.name, l));
-    let interval = interval.map(|i| if flip { i.scaled(-1.0) } else { i });
+    let [later, earlier] = levels.map(|level| names::level(results, &factor.name, level));
     // The means that were told before may be those of other conditions.
     let the = if factor.marginal.is_some() { "In the same conditions, the" } else { "The" };
-    let text = match mean(difference.abs()).as_ref() {
-        "0.00" => format!("{the} mean ratings at {higher} and {lower} differ by less than 0.005"),
+    let text = match mean(difference).as_ref() {
+        "0.00" => format!("{the} mean ratings at {later} and {earlier} differ by less than 0.005"),
         size => {
-            format!("{the} mean rating at {higher} is {size} higher than at {lower}{}", with_interval(interval, mean))
+            format!("{the} mean rating at {later} minus that at {earlier} is {size}{}", with_interval(interval, mean))
         }
     };
     Some(Size { text, interval })

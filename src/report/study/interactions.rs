@@ -16,7 +16,7 @@ use crate::{
         terms::Variable,
     },
     report::document::{fixed, list, mean, p_is, with_interval},
-    statistics::{holm, mean_and_sd},
+    statistics::mean_and_sd,
 };
 
 /// Factors whose effects may depend on each other, and the test of it.
@@ -170,7 +170,7 @@ fn compared<'a>(
     comparisons.unwrap_or_default().iter().filter(is_own)
 }
 
-/// Describes the effect of a factor at each level of another one, with the p of the model's comparisons or, if the model has no such effects, of Friedman's tests.
+/// Describes the effect of a factor at each level of another one, with the p of the model's comparisons, if it has such effects.
 fn simple_effects(
     results: &Results,
     of: &FactorResults,
@@ -184,24 +184,19 @@ fn simple_effects(
     let own = |(place, stratum): &(usize, FactorResults)| {
         let pair = stratum.contrast().0.map(|level| stratum.levels[level].names[0].as_str());
         let mut compared = compared(comparisons, of, at, *place);
-        compared.find(|c| pair == [&*c.level, &*c.other] || pair == [&*c.other, &*c.level])
-    };
-    let corrected: Vec<Option<f64>> = match comparisons {
-        Some(_) => strata.iter().map(|stratum| own(stratum)?.p_holm).collect(),
-        // Ranks do not know of items.
-        None if results.spec.items.is_some() => vec![None; strata.len()],
-        None => holm(&strata.iter().map(|(_, stratum)| Some(stratum.friedman?.p)).collect::<Vec<_>>()),
+        compared.find(|c| pair == [&*c.other, &*c.level])
     };
     let is_raw = |(_, stratum): &(usize, FactorResults)| stratum.marginal.is_none();
     let are_alike = strata.iter().all(is_raw) || !strata.iter().any(is_raw);
-    let part = |(place, ((level, stratum), p)): (usize, (&(usize, FactorResults), Option<f64>))| {
+    let part = |(place, own_stratum): (usize, &(usize, FactorResults))| {
+        let (level, stratum) = own_stratum;
         let ([first, second], _) = stratum.contrast();
         let mean_at = |index: usize| {
             let level = names::level_of(results, of, &stratum.levels[index]);
             format!("{} at {} {level}", mean(stratum.means()[index]), names::factor(results, &of.name))
         };
         let level = names::level_of(results, at, &at.levels[*level]);
-        let p = p.map_or_else(String::new, |p| format!(" ({})", p_is(p)));
+        let p = own(own_stratum).and_then(|own| own.p_holm).map_or_else(String::new, |p| format!(" ({})", p_is(p)));
         let what = match (stratum.marginal.is_some(), comparisons.is_some()) {
             _ if place > 0 && are_alike => "it",
             (true, true) => "the rating that the model expects",
@@ -211,16 +206,15 @@ fn simple_effects(
         let (at, means) = (names::factor(results, &at.name), [first, second].map(mean_at));
         format!("at {at} {level}, {what} is {} and {}{p}", means[0], means[1])
     };
-    let parts: Vec<String> = strata.iter().zip(corrected.iter().copied()).enumerate().map(part).collect();
-    let withheld = strata.iter().filter_map(|stratum| own(stratum)?.withheld).next();
-    let test = match (comparisons, withheld) {
-        (_, Some(reason)) => format!(" These differences have no p: {reason}."),
-        _ if corrected.iter().all(Option::is_none) => String::new(),
-        (Some(_), None) => format!(
+    let parts: Vec<String> = strata.iter().enumerate().map(part).collect();
+    let found: Vec<&Comparison> = strata.iter().filter_map(own).collect();
+    let test = match found.iter().find_map(|own| own.withheld) {
+        Some(reason) => format!(" These differences have no p: {reason}."),
+        None if found.iter().all(|own| own.p_holm.is_none()) => String::new(),
+        None => format!(
             " Each p is that of this difference in the model, corrected for all comparisons of {} with Holm’s method.",
             names::factor(results, &of.name)
         ),
-        (None, None) => " Each p is that of Friedman’s test of all levels, corrected with Holm’s method.".to_owned(),
     };
     let raw = if strata.iter().all(is_raw) {
         String::new()

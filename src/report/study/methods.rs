@@ -1,10 +1,13 @@
 //! The methods section for a paper, with references.
 
-use std::collections::BTreeSet;
-
 use super::{findings, health, names};
 use crate::{
-    analysis::{Model, RandomSlope, Results, TermTest, rank_tests::PMethod, results::FactorResults, terms::Variable},
+    analysis::{
+        Model, RandomSlope, Results, TermTest,
+        rank_tests::PMethod,
+        results::FactorResults,
+        terms::{Term, Variable},
+    },
     experiment::{Protocol, ResponseScale},
     report::document::{Section, count, fixed, list, times},
     store::ratings::Source,
@@ -102,14 +105,7 @@ fn model(results: &Results) -> Vec<String> {
     let simulated = named(&|test| test.draws.is_some());
     let draws = report.terms.iter().filter_map(|test| test.draws).max().unwrap_or_default();
     let variances = if mixed { ", with variances of the random effects corrected for the estimated means" } else { "" };
-    let limits = match (simulated.is_some(), mixed) {
-        (false, _) => "",
-        (true, false) => ", with limits from the same studies",
-        (true, true) => {
-            ", with limits from the same studies for coefficients, and adjusted for the number of participants for standard \
-             deviations"
-        }
-    };
+    let limits = if simulated.is_some() { ", with limits from the same studies" } else { "" };
     let sentences = [
         Some(format!(
             "Because ratings are ordered categories (Liddell & Kruschke, 2018; Bürkner & Vuorre, 2019), they were modeled with a \
@@ -139,12 +135,13 @@ fn model(results: &Results) -> Vec<String> {
             (0, 0) => None,
             (0, _) => Some(WIDER_MODELS.to_owned()),
             (1, _) => Some(format!("{SIGNS}.")),
-            _ => Some(format!("{SIGNS}, corrected with the minimum-p method (Westfall & Young, 1993).")),
+            _ => Some(format!("{SIGNS}, corrected with Holm’s method (Holm, 1979).")),
         },
-        Some(format!(
-            "Intervals of coefficients{} are profile-likelihood intervals{limits}.",
-            if mixed { " and of standard deviations" } else { "" }
-        )),
+        model.coefficients.iter().any(|own| own.interval.is_some()).then(|| {
+            let is_additive = results.spec.terms.iter().all(Term::is_main);
+            let simple = if is_additive { "" } else { "; those of simple effects are Wald intervals" };
+            format!("Intervals of coefficients are profile-likelihood intervals{limits}{simple}.")
+        }),
         report.comparisons.iter().any(|own| own.p_holm.is_some()).then(|| COMPARED.to_owned()),
         (!results.is_inferential()).then(|| "All inference is about repeated trials of this participant.".to_owned()),
     ];
@@ -162,33 +159,19 @@ const COMPARED: &str =
 
 /// Says what was computed without the model, and how the intervals were found.
 fn description(results: &Results) -> Vec<String> {
-    let methods: BTreeSet<&str> = (results.factors.iter().filter_map(|factor| factor.friedman))
-        .map(|test| match test.method {
-            PMethod::Exact => "exact",
-            PMethod::Permutations => "random-permutation",
-            PMethod::ChiSquared => "χ²",
-        })
-        .collect();
-    let ranked = (results.factors.iter())
-        .filter(|factor| findings::evidence(results, factor).is_some_and(|evidence| evidence.is_rank_test));
-    let because = |factor: &FactorResults| {
+    let ranked = |factor: &FactorResults| {
+        findings::evidence(results, factor).filter(|evidence| evidence.is_rank_test)?;
         let reason = findings::reason(results, factor);
-        format!(
-            "The conclusion about {} rests on Friedman’s test, because its test in the model is not used: {}.",
+        Some(format!(
+            "The conclusion about {} rests on Friedman’s test (Friedman, 1937) with {} p value, of participants’ means over those \
+             conditions of the other factors that they rated at every level, because its test in the model is not used: {}.",
             names::factor(results, &factor.name),
+            if factor.friedman?.method == PMethod::Exact { "an exact" } else { "a χ²" },
             reason.unwrap_or_else(|| "the model has no random slopes, as requested".to_owned())
-        )
+        ))
     };
-    let mut sentences = Vec::new();
-    if !methods.is_empty() {
-        sentences.push(format!(
-            "Participants’ mean ratings at the levels of each factor, over those conditions of the other factors that a participant \
-             rated at every level, were compared with Friedman’s test, with {} p values, and Kendall’s coefficient of concordance \
-             (Friedman, 1937; Kendall & Babington Smith, 1939).",
-            list(&Vec::from_iter(methods))
-        ));
-    }
-    sentences.extend(ranked.clone().filter(|_| results.model.is_ok()).map(because));
+    let mut sentences: Vec<String> = results.factors.iter().filter_map(ranked).collect();
+    let is_ranked = !sentences.is_empty();
     sentences.extend(results.alpha.map(|_| {
         "Agreement between participants was measured with Krippendorff’s ordinal α (Hayes & Krippendorff, 2007; \
          Krippendorff, 2019), without comparing repeated ratings by the same participant."
@@ -200,9 +183,11 @@ fn description(results: &Results) -> Vec<String> {
     }));
     if results.is_inferential() {
         let mut kinds = vec!["those of means are score intervals (Wilson, 1927) with t quantiles over participants"];
-        kinds.extend(ranked.clone().next().map(|_| "those of differences of means are t intervals over participants"));
-        let agreed = results.alpha.and_then(|alpha| alpha.interval).or(results.kappa.and_then(|kappa| kappa.1));
-        kinds.extend(agreed.map(|_| "those of agreement use the jackknife over participants"));
+        kinds.extend(is_ranked.then_some("those of differences of means are t intervals over participants"));
+        let of_alpha = results.alpha.and_then(|alpha| alpha.interval);
+        kinds.extend(of_alpha.map(|_| "that of α uses the jackknife over participants"));
+        let of_kappa = results.kappa.and_then(|(_, interval)| interval);
+        kinds.extend(of_kappa.map(|_| "that of κ is a t interval over participants"));
         sentences.push(format!("Intervals are 95\u{a0}% intervals: {}.", list(&kinds)));
     }
     sentences

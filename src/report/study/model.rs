@@ -7,9 +7,7 @@ use crate::{
         TermTest, Withheld, terms::Term,
     },
     report::{
-        document::{
-            Section, TableOf, count, fixed, list, mean, percent, probability, range, ratio, unit, whole, with_interval,
-        },
+        document::{Section, TableOf, count, fixed, list, mean, probability, range, ratio, unit, whole},
         figures::Figure,
     },
 };
@@ -67,8 +65,8 @@ fn order(section: &mut Section, report: &ModelReport) {
 /// Describes how much participants differ.
 fn between_people(section: &mut Section, results: &Results, model: &Model, random: &RandomEffect) {
     section.heading("Differences between participants");
-    let mut rows = vec![("Intercept".to_owned(), random.sd, random.se, random.interval)];
-    let of = |name: String, own: &RandomSlope| (name, own.sd, own.se, own.interval);
+    let mut rows = vec![("Intercept".to_owned(), random.sd, random.se)];
+    let of = |name: String, own: &RandomSlope| (name, own.sd, own.se);
     rows.extend(random.slopes.iter().map(|slope| of(names::slope(results, model, slope), slope)));
     let of_items = |items: &RandomSlope| of(format!("Intercept of {}", names::factor(results, &items.name)), items);
     rows.extend(random.items.as_ref().map(of_items));
@@ -76,17 +74,13 @@ fn between_people(section: &mut Section, results: &Results, model: &Model, rando
     let caption = format!("Standard deviations between participants{items}, on the latent scale");
     TableOf::new(caption, &rows)
         .text("Of", |(name, ..)| name)
-        .number("SD", |(_, sd, se, _)| fixed(*sd, decimals(*sd, *se)))
-        .number("SE", |(_, sd, se, _)| fixed(*se, decimals(*sd, *se)))
-        .number("95\u{a0}% interval", |(_, sd, se, interval)| range(*interval, |end| fixed(end, decimals(*sd, *se))))
+        .number("SD", |(_, sd, se)| fixed(*sd, decimals(*sd, *se)))
+        .number("SE", |(_, sd, se)| fixed(*se, decimals(*sd, *se)))
         .add_to(section);
-    let (share, interval) = model.share_between();
-    if let Some(share) = share {
+    if let Some(share) = model.share_between() {
+        let share = unit(share);
         section.text(format!(
-            "The intercepts of participants account for {} of the latent variance: the intraclass correlation is {}{}.",
-            percent((100.0 * share).round() / 100.0),
-            unit(share),
-            with_interval(interval, unit)
+            "The intraclass correlation, the proportion of the latent variance that lies between participants, is {share}."
         ));
     }
 }
@@ -97,9 +91,9 @@ fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
     }
     section.heading("Comparisons of levels");
     section.text(format!(
-        "Differences on the latent scale, in the model. Their p values and intervals come from the likelihood ratio of each \
-         difference{}; the intervals are those of its profile where there is one.{} Holm’s method corrects p for all comparisons \
-         of a factor; the intervals are not corrected.",
+        "Differences on the latent scale, in the model: the later level minus the earlier one. Their p values and intervals come \
+         from the likelihood ratio of each difference{}.{} Holm’s method corrects p for all comparisons of a factor; the intervals \
+         are not corrected.",
         if report.terms.iter().any(|test| test.draws.is_some()) {
             ", scaled by the limit that simulated studies give for its term"
         } else {
@@ -107,10 +101,8 @@ fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
         },
         if_interacting(
             results,
-            " Differences of a factor in an interaction are on average over the other factors and, in an interaction of two that \
-             is not part of a larger one, at each level of the other (simple effects). The p values and \
-             intervals of simple effects come from their standard errors; these intervals are symmetric, also among the \
-             coefficients above."
+            " Those of differences at a level of another factor (simple effects) come from their standard errors, also among \
+             the coefficients above."
         )
     ));
     let level = |c: &Comparison, level: &str| names::level(results, &c.factor, level);
@@ -254,46 +246,45 @@ fn decimals(estimate: f64, se: Option<f64>) -> usize {
     if size > 0.0 && size < 0.01 { (2.0 - size.log10().floor()) as usize } else { 3 }
 }
 
-/// What is tested, before the name of its term.
-const KINDS: [&str; 2] = ["effect", "interaction"];
-
 /// Adds the tests of the terms and of the interactions that the model leaves out.
 fn tests(section: &mut Section, results: &Results, report: &ModelReport) {
-    let effects = report.terms.iter().map(|test| (0, test, [test.p, None]));
-    let interactions = report.interactions.iter().map(|own| (1, &own.test, [None, own.test.p]));
-    let rows: Vec<(usize, &TermTest, [Option<f64>; 2])> = effects.chain(interactions).collect();
+    let interactions = report.interactions.iter().map(|own| ("interaction", &own.test));
+    let rows: Vec<(&str, &TermTest)> = report.terms.iter().map(|test| ("effect", test)).chain(interactions).collect();
     if rows.is_empty() {
         return;
     }
-    let same = if report.model.random.is_some() { " with the same random effects" } else { "" };
     section.heading("Tests");
     section.text(format!(
-        "A small p means that ratings like these would be rare if there were no such effect. An effect is tested against a model \
-         without the term{same}.{} Interactions that the model leaves out are tested because, in the model, the effect of each factor \
-         is the same at every level of the other. The corrected p allows for the number of tests of the same kind. Methods says \
-         where p values come from.",
+        "A small p means that ratings like these would be rare if there were no such effect. Each effect is tested against the model \
+         without its term{}.{}{} Methods says where p values come from.",
+        if report.model.random.is_some() { ", with the same random effects" } else { "" },
         if_interacting(
             results,
             " For a main effect that is part of an interaction, its mean over the levels of the other factor is tested \
              (sum contrasts)."
-        )
+        ),
+        if report.interactions.is_empty() {
+            ""
+        } else {
+            " Interactions that the model leaves out are tested because, in the model, the effect of each factor is the same at \
+             every level of the other; their p is corrected for their number."
+        }
     ));
     TableOf::new("Tests of terms", &rows)
-        .text("Test of", |(kind, ..)| KINDS[*kind])
-        .text("Term", |(_, test, _)| names::term(results, &test.term))
-        .number("χ²", |(_, test, _)| fixed(test.chi_squared, 2))
-        .number("df", |(_, test, _)| whole(test.df as u64))
-        .number("p", |(.., p)| probability(p[0]))
-        .number("Corrected p", |(.., p)| probability(p[1]))
+        .text("Test of", |(kind, _)| *kind)
+        .text("Term", |(_, test)| names::term(results, &test.term))
+        .number("χ²", |(_, test)| fixed(test.chi_squared, 2))
+        .number("df", |(_, test)| whole(test.df as u64))
+        .number("p", |(_, test)| probability(test.p))
         .add_to(section);
-    let mut withheld: Vec<(usize, Withheld)> = Vec::new();
-    for own in rows.iter().filter_map(|(kind, test, _)| Some((*kind, test.withheld?))) {
+    let mut withheld: Vec<(&str, Withheld)> = Vec::new();
+    for own in rows.iter().filter_map(|(kind, test)| Some((*kind, test.withheld?))) {
         withheld.extend((!withheld.contains(&own)).then_some(own));
     }
     for (kind, reason) in withheld {
-        let own = rows.iter().filter(|(own, test, _)| *own == kind && test.withheld == Some(reason));
-        let terms: Vec<String> = own.map(|(_, test, _)| names::term(results, &test.term)).collect();
-        let of = if kind == 0 { String::new() } else { format!("{} of ", KINDS[kind]) };
+        let own = rows.iter().filter(|(own, test)| *own == kind && test.withheld == Some(reason));
+        let terms: Vec<String> = own.map(|(_, test)| names::term(results, &test.term)).collect();
+        let of = if kind == "effect" { "" } else { "interaction of " };
         section.note(format!("No p for {of}{}: {reason}.", list(&terms)));
     }
 }

@@ -20,9 +20,7 @@ use crate::{
 pub(super) fn note(results: &Results, model: &Model, note: &Note) -> String {
     let mut note = note.clone();
     match &mut note {
-        Note::MissingValues { factor: name, .. } | Note::NoItemVariance { items: name } => {
-            *name = factor(results, name)
-        }
+        Note::MissingValues { factor: name, .. } => *name = factor(results, name),
         Note::Nested { factor: own, other, .. } => {
             [own, other].into_iter().for_each(|name| *name = factor(results, name));
         }
@@ -30,9 +28,7 @@ pub(super) fn note(results: &Results, model: &Model, note: &Note) -> String {
             [baseline, separated].into_iter().for_each(|own| *own = level(results, name, own).to_string());
             *name = factor(results, name);
         }
-        Note::AliasedTerm { term: own, of }
-        | Note::NoSlope { term: own, of }
-        | Note::NoSlopeVariance { term: own, of } => *own = term(results, of),
+        Note::AliasedTerm { term: own, of } | Note::NoSlope { term: own, of } => *own = term(results, of),
         Note::Separation { coefficient: own, term: of, .. } => {
             let found = model.coefficients.iter().find(|coefficient| coefficient.name == *own);
             if let Some(found) = found {

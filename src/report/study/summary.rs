@@ -108,7 +108,7 @@ fn lead(source: &Source, results: &Results) -> Vec<String> {
             count(items.levels.len() as u64, "level"),
             names::factor(results, &items.name),
             if results.model.as_ref().is_ok_and(is_modeled) {
-                ": each has a random intercept in the model, so its tests and intervals hold for other items as well."
+                ": each has a random intercept, so the model’s tests and intervals hold for other items as well."
             } else {
                 ", but there is no model with random effects of them, so the results say nothing about other items."
             }
