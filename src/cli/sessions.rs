@@ -56,9 +56,13 @@ fn conclude<T: Request>(found: Found) -> anyhow::Result<()> {
 
 pub(super) fn export(request: &Export) -> anyhow::Result<()> {
     let waiting = Bar::new("exporting");
+    signals::watch();
     let exported = request.export(&waiting);
     waiting.clear();
-    let exported = exported?;
+    let exported = exported.map_err(|error| match signals::received() {
+        Some(signal) => anyhow::anyhow!("{}: ended by {signal}; nothing was written", request.out.display()),
+        None => error,
+    })?;
     let pictures = match exported.pictures {
         0 => String::new(),
         pictures => format!(", {}", count(pictures as u64, "picture")),

@@ -2,7 +2,7 @@
 
 use std::{
     collections::{BTreeSet, HashMap},
-    path::Path,
+    path::{Path, PathBuf},
 };
 
 use super::{
@@ -61,12 +61,11 @@ pub fn check_large(name_or_path: impl AsRef<Path>, pixels: u64) -> Result<Checke
     if definition::built_in(path).is_some() {
         return check_definition(definition::open(path)?);
     }
+    if let Some(csv) = session_of_frames(path)? {
+        let session = check_session(&csv)?;
+        return Ok(Checked { sentence: format!("frames of a {}", session.sentence), ..session });
+    }
     let checked = match path.extension().and_then(|extension| extension.to_str()) {
-        // The seal of a session is also that of its frames.
-        Some("csv") if name.ends_with(FRAMES_SUFFIX) && exists(path)? => {
-            let session = check_session(Path::new(&format!("{}{DATA_FILE}", name.trim_end_matches(FRAMES_SUFFIX))))?;
-            Checked { sentence: format!("frames of a {}", session.sentence), ..session }
-        }
         Some("csv") => match column_names(path) {
             Ok(names) if names.first().is_some_and(|name| name == "channel") => {
                 let readings = readings::open(path)?;
@@ -93,6 +92,17 @@ pub fn check_large(name_or_path: impl AsRef<Path>, pixels: u64) -> Result<Checke
         .into()),
     };
     Ok(checked)
+}
+
+/// Returns the data file of the session whose frames these are, which is checked together with them: the seal of a session
+/// is also that of its frames. `None` if this is another file, or does not exist.
+///
+/// # Errors
+/// The file cannot be accessed.
+pub fn session_of_frames(path: &Path) -> Result<Option<PathBuf>, StoreError> {
+    let name = path.file_name().and_then(|name| name.to_str()?.strip_suffix(FRAMES_SUFFIX));
+    let csv = name.map(|stem| path.with_file_name(format!("{stem}{DATA_FILE}")));
+    Ok(if csv.is_some() && exists(path)? { csv } else { None })
 }
 
 /// Identifies the kind of TOML file by a required key that the other kinds lack.

@@ -24,6 +24,7 @@ use crate::{
         recorded::{Recorded, Renderer, picture_errors},
         sidecar::Sitting,
     },
+    system::signals,
 };
 
 /// Version of the BIDS standard.
@@ -393,7 +394,12 @@ fn write_stimuli(
 ) -> Result<(Stimuli, usize), StoreError> {
     let sessions = || experiments.iter().flat_map(|experiment| &experiment.sessions);
     let mut renderer = Renderer::default();
-    FileErrors::none(sessions().flat_map(|session| picture_errors(session, &mut renderer)).collect())?;
+    let mut wrong = Vec::new();
+    for session in sessions() {
+        signals::check(&session.csv)?;
+        wrong.extend(picture_errors(session, &mut renderer));
+    }
+    FileErrors::none(wrong)?;
     // Identical pictures share one file.
     let (mut names, mut files) = (HashMap::<String, String>::new(), BTreeMap::new());
     let (mut shown, mut proved) = (HashMap::new(), HashSet::new());
@@ -444,6 +450,7 @@ fn write_stimuli(
     }
     files.par_iter().try_for_each(|(name, (recipe, quantizer))| {
         let path = folder.join(name);
+        signals::check(&path)?;
         write_file(&path, &image::recipe_png(&path, recipe, quantizer, image::Finish::Codes)?)
     })?;
     Ok((Stimuli(shown), files.len()))
