@@ -1,26 +1,25 @@
 //! Identifies the type of a file and finds every error in it, not only the first.
 
 use std::{
-    collections::{BTreeSet, HashMap},
+    collections::BTreeSet,
     path::{Path, PathBuf},
 };
 
 use super::{
-    FileError, FileErrors, StoreError,
+    FileErrors, StoreError,
     dataset::{self, DATA_FILE, FRAMES_SUFFIX},
     definition,
-    file::{exists, read_bytes, read_text},
+    file::{exists, read_text},
     image, matches, observer, profile,
     ratings::column_names,
     readings,
-    recorded::{Order, Recorded},
-    results,
+    recorded::Recorded,
     scene::{self, SceneFile},
     toml::Document,
 };
 use crate::{
     display::DisplayProfile,
-    experiment::{Identity, OrderedLogit, Protocol, Schedule, VisionRater, columns_by_header},
+    experiment::{Identity, OrderedLogit, Protocol, Schedule, VisionRater},
     shading::Composition,
     system::{fonts, found},
 };
@@ -66,18 +65,11 @@ pub fn check_large(name_or_path: impl AsRef<Path>, pixels: u64) -> Result<Checke
         return Ok(Checked { sentence: format!("frames of a {}", session.sentence), ..session });
     }
     let checked = match path.extension().and_then(|extension| extension.to_str()) {
-        Some("csv") => match column_names(path) {
-            Ok(names) if names.first().is_some_and(|name| name == "channel") => {
-                let readings = readings::open(path)?;
-                let channels: Vec<&str> = readings.channels().iter().map(|channel| channel.name()).collect();
-                format!("{} photometer readings, {}", readings.all().len(), channels.join(", ")).into()
-            }
-            Ok(names) if names.first().is_some_and(|name| name == "event") => {
-                format!("{} visual matches of a display", matches::open(path)?.len()).into()
-            }
-            Err(error @ StoreError::Io { .. }) => return Err(error),
-            // What is no table has the errors of a result file.
-            _ => check_results(path)?,
+        Some("csv") if dataset::identity(path).is_ok() && exists(path)? => check_session(path)?,
+        Some("csv") => match column_names(path)?.first().map(String::as_str) {
+            Some("channel") => check_readings(path)?,
+            Some("event") => format!("{} visual matches of a display", matches::open(path)?.len()).into(),
+            _ => check_session(path)?,
         },
         Some("png") => image::verify(path, pixels)?.into(),
         Some("toml") => check_toml(path, &name, &read_text(path)?)?,
@@ -92,6 +84,12 @@ pub fn check_large(name_or_path: impl AsRef<Path>, pixels: u64) -> Result<Checke
         .into()),
     };
     Ok(checked)
+}
+
+fn check_readings(path: &Path) -> Result<Checked, StoreError> {
+    let readings = readings::open(path)?;
+    let channels: Vec<&str> = readings.channels().iter().map(|channel| channel.name()).collect();
+    Ok(format!("{} photometer readings, {}", readings.all().len(), channels.join(", ")).into())
 }
 
 /// Returns the data file of the session whose frames these are, which is checked together with them: the seal of a session
@@ -158,40 +156,12 @@ pub fn missing_fonts(missing: &BTreeSet<char>) -> Option<String> {
         .then(|| format!("No font on this computer has these characters of the participant's texts: {listed}{more}."))
 }
 
-/// Checks a result file against the definition and the seed in its sidecar. The sidecar may be missing only outside a
-/// data set.
-fn check_results(path: &Path) -> Result<Checked, StoreError> {
-    let has_sidecar = exists(&path.with_extension("json"))? || dataset::described(path)?.is_some();
-    if dataset::identity(path).is_ok() && has_sidecar {
-        return check_session(path);
-    }
-    let content = read_bytes(path, results::MAX_FILE, "a result file")?;
-    let header = content.split(|byte| *byte == b'\n').next().unwrap_or_default();
-    let columns = columns_by_header(String::from_utf8_lossy(header).trim_end().split(','));
-    let rows = results::parse(&path.display().to_string(), &content, &columns)?;
-    let (mut errors, mut orders) = (Vec::new(), HashMap::new());
-    for (row, line) in rows.iter().zip(2..) {
-        let session = (&row.subject_id, &row.session_id);
-        let order = orders.entry(session).or_insert_with(|| Order::new(false, usize::MAX));
-        errors.extend(order.add(row).into_iter().map(|message| FileError::at(path, (line, 1), message)));
-    }
-    FileErrors::none(errors)?;
-    let sentence = format!(
-        "result file: {} rows; the trial order was not checked because that requires a session's file and its sidecar",
-        rows.len()
-    );
-    Ok(sentence.into())
-}
-
+/// Checks a result file against the definition, the seed and the seals in its sidecar.
 fn check_session(path: &Path) -> Result<Checked, StoreError> {
     let session = Recorded::open(path)?;
-    let mut errors = [session.row_errors(), &session.changed].concat();
-    let interruption = session.interruption();
-    if let Some((line, what)) = session.incomplete_line().filter(|_| interruption.is_none()) {
-        errors.push(FileError::at(path, (line, 1), format!("{what}; expected complete rows")));
-    }
-    FileErrors::none(errors)?;
+    let cut = Vec::from_iter(session.cut_line());
+    FileErrors::none([session.row_errors(), &session.changed, &cut].concat())?;
     let ((rated, planned), rows, name) = (session.rated(), session.rows.len(), &session.protocol.name);
     let sentence = format!("result file: {rows} rows; {rated} of {planned} planned trials of {name} rated");
-    Ok(Checked { warning: interruption.map(|found| found.message), ..sentence.into() })
+    Ok(Checked { warning: session.interruption().map(|found| found.message), ..sentence.into() })
 }

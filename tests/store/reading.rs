@@ -11,7 +11,7 @@ use std::{
 use flate2::read::GzDecoder;
 use machband::{
     experiment::{Identity, Phase, Protocol, RatingRow, TrialRecord, columns},
-    report::{Study, StudyError},
+    report::Study,
     store::{
         Columns, FileErrors,
         dataset::SessionPaths,
@@ -245,30 +245,6 @@ mod layouts {
         }
     }
 
-    /// With decimal commas, levels, ratings, counts and times are the same numbers as with decimal points.
-    #[test]
-    fn decimal_commas_are_numbers() {
-        let folder = tempfile::tempdir().unwrap();
-        let text = "who,size,hue,answer,session_id,repetition,response_time_s\nA,0.4,1.2.3,1.25,1,1,0.75\nA,.05,x,0.5,1,2,1e-1\n\
-            B,10,,2,1,1,3.5\n";
-        let how = ReadOptions { count: None, ..long() };
-        let how = ReadOptions { factors: with_factors(&["size", "hue"]).factors, details: true, ..how };
-        let [points, commas] = [text.to_owned(), text.replace(',', ";").replace('.', ",")]
-            .map(|text| Study::read(&[file(&folder, "t.csv", text)], &how).unwrap());
-        assert_eq!((&commas.source.errors[..], &commas.measured.trials), (&[][..], &points.measured.trials));
-        let (points, commas) = (points.measured.counts, commas.measured.counts);
-        assert_eq!((&commas.categories, &commas.factors[0]), (&points.categories, &points.factors[0]));
-        assert_eq!(
-            (commas.factors[0].levels.join(" "), commas.categories.join(" ")),
-            (".05 0.4 10".into(), "0.5 1.25 2".into())
-        );
-        // Two commas are not a decimal comma.
-        assert_eq!(commas.factors[1].levels, ["1,2,3", "x"]);
-        // In a message, a cell is as it was written.
-        let path = file(&folder, "t.csv", "who;size;hue;answer;response_time_s\nA;1;1;1;-0,5\n");
-        assert_eq!(errors(&[&path], &how), ["t.csv:2:9: response_time_s is \"-0,5\"; expected seconds, 0 or more"]);
-    }
-
     /// Words that stand for a missing value in some programs are levels if the column has texts.
     #[test]
     fn missing_values_are_no_levels() {
@@ -372,23 +348,6 @@ mod layouts {
         let path = file(&folder, "t.csv", LONG);
         assert_eq!(study.measured, Study::read(&[path], &long()).unwrap().measured);
         assert_eq!((&study.source.files[0].path, &study.source.files[0].sha256), (&PathBuf::from("ratings"), &None));
-        let how = ReadOptions { count: None, ..long() };
-        let columns =
-            Columns::default().with_levels("who", &["A"], &[0; 60]).with_numbers("width", (0..60).map(f64::from));
-        let unequal = columns.clone().with_numbers("answer", [1.0]);
-        let answers: Vec<i64> = (0..60).map(|row| i64::from(row == 1)).collect();
-        let columns = columns.with_levels("answer", &["1", "{"], &answers).with_levels("depth", &["1\0"], &[0; 60]);
-        let how = ReadOptions { categories: Some(list(&["0", "1"])), factors: with_factors(&["width"]).factors, ..how };
-        let study = Study::from_columns("ratings", columns, &how).unwrap();
-        let [error] = &study.source.errors[..] else { panic!("{:?}", study.source.errors) };
-        assert_eq!(error.to_string(), "ratings, row 1 (counted from 0): rating {; expected one of 0, 1");
-        let error = Study::from_columns("ratings", unequal, &how).unwrap_err().to_string();
-        assert_eq!(error, "ratings: the column answer has 1 rows; expected 60, as in who");
-        let nobody: Vec<i64> = (0..60).map(|row| if row < 2 { -1 } else { 0 }).collect();
-        let columns = Columns::default().with_levels("who", &["A"], &nobody);
-        let columns = columns.with_whole("answer", &answers).with_whole("width", &answers);
-        let Err(StudyError::Files(errors)) = Study::from_columns("ratings", columns, &how) else { panic!() };
-        assert_eq!(errors.0[0].rows, [0, 1]);
     }
 }
 
