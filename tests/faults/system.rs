@@ -239,6 +239,18 @@ fn an_ignored_signal_stays_ignored() {
     assert!(ended.status.success(), "{ended:?}");
 }
 
+/// Where a limit forbids a file to grow, the system sends a signal that would end the program.
+#[test]
+fn a_file_that_may_not_grow_is_an_error() {
+    let (sweep, folder) = (Sweep::new(1), sweep::folder());
+    let mut command = Command::new("sh");
+    command.args(["-c", "ulimit -f 3; exec \"$@\"", "sh", MACHBAND, "simulate", "--observer", "paper", "--seed", "7"]);
+    command.arg(sweep.definition(DEFINITION)).arg("--results").arg(folder.path().join("first"));
+    let ended = run::ended(&mut command);
+    assert!(ended.status.code() == Some(1) && ended.stderr.contains("File too large"), "{ended:?}");
+    assert_resumes(&sweep, folder.path(), "a limit on the size of files");
+}
+
 /// The folder that the window proposes if an answer cannot be saved is the user's own, not the shared temporary folder.
 #[test]
 fn the_proposed_folder_belongs_to_the_user() {
