@@ -1,6 +1,6 @@
 //! `machband simulate`, `machband check`, `machband verify`, `machband repair` and `machband export`
 
-use std::time::Instant;
+use std::{collections::HashSet, time::Instant};
 
 use super::{Bar, count, print_line, told_of};
 use crate::{
@@ -48,9 +48,11 @@ pub(super) fn repair(request: &Repair) -> anyhow::Result<()> {
     conclude::<Repair>(request.repair(&Bar::new("files"))?)
 }
 
-/// Fails with all errors, if there are any.
+/// Fails with all errors, if there are any. One that concerns several sessions is told once.
 fn conclude<T: Request>(found: Found) -> anyhow::Result<()> {
-    let errors: Vec<String> = found.errors.into_iter().map(|error| told_of::<T>(&error.into())).collect();
+    let mut told = HashSet::new();
+    let errors = found.errors.into_iter().map(|error| told_of::<T>(&error.into()));
+    let errors: Vec<String> = errors.filter(|error| told.insert(error.clone())).collect();
     if errors.is_empty() { Ok(()) } else { Err(anyhow::anyhow!(errors.join("\n"))) }
 }
 
