@@ -22,7 +22,7 @@ mod texts;
 
 pub use condition::{Condition, Factor};
 pub use course::Course;
-pub use definition::{Definition, Design, MAX_RATING, Order, Plan, Presentation, Recovery, SessionRules, ViewingPlan};
+pub use definition::{Definition, Design, Order, Plan, Presentation, Recovery, SessionRules, ViewingPlan};
 pub use faults::{DefinitionError, DefinitionErrors};
 pub use frame_log::{FrameRun, Shown};
 pub use observer::{

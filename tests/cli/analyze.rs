@@ -188,6 +188,30 @@ fn counts_give_the_same_analysis_as_rows() {
     assert_eq!((&a["coefficients"], &a["loglik"]), (&b["coefficients"], &b["loglik"]));
 }
 
+/// The scale of a table without a definition is that of its ratings.
+#[test]
+fn counts_and_exports_keep_a_scale_of_any_length() {
+    let folder = tempfile::tempdir().unwrap();
+    let five = "schema = 1\nname = \"five\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\nwidth = [0.1, 0.4]\n[design]\n\
+                repetitions = 12\n[response]\nlabels = [\"a\", \"b\", \"c\", \"d\", \"e\"]\n";
+    fs::write(folder.path().join("five.toml"), five).unwrap();
+    for line in
+        ["simulate five.toml --participants 3 --results r", "counts r --out c.csv", "export r --format bids --out b"]
+    {
+        succeeds(folder.path(), &split(line));
+    }
+    let tables: String =
+        (1..=3).map(|n| format!(" b/sub-S00{n}/ses-1/beh/sub-S00{n}_ses-1_task-five_beh.tsv")).collect();
+    let means = ["r", "c.csv", &tables].map(|input| {
+        let line = format!("analyze {input} --factors width --tables-only --draws 99 --out a --force");
+        let output = machband(folder.path(), &split(&line));
+        assert!(output.status.success(), "{line}: {}", text(&output.stderr));
+        let cells = records(&folder.path().join("a/cells.csv"));
+        cells.iter().map(|row| [&row["width"], &row["n"], &row["mean"]].map(String::clone)).collect::<Vec<_>>()
+    });
+    assert!(means[0].len() == 2 && means.iter().all(|other| *other == means[0]), "{means:?}");
+}
+
 /// Other scales and column names work: counts give the same analysis as the file, and if the order of the categories is
 /// unknown, the error asks for it.
 #[test]
