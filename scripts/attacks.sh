@@ -9,7 +9,7 @@ if [ $# -eq 1 ]; then
 else
     log=$(mktemp)
     trap 'rm -f "$log"' EXIT
-    export MACHBAND_FAULTS=${MACHBAND_FAULTS:-20000} MACHBAND_CUTS=${MACHBAND_CUTS:-1000} MACHBAND_FUZZ=${MACHBAND_FUZZ:-100}
+    export MACHBAND_FAULTS=${MACHBAND_FAULTS:-20000} MACHBAND_CUTS=${MACHBAND_CUTS:-1000}
     export MACHBAND_READS=${MACHBAND_READS:-1000000}
     export MACHBAND_REQUIRE_GPU=1 MACHBAND_REQUIRE_DISPLAY=1 MACHBAND_REQUIRE_FAULTS=1
     # A program that `nohup` started ignores a signal that the tests send.

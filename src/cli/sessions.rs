@@ -1,6 +1,6 @@
 //! `machband simulate`, `machband check`, `machband verify`, `machband repair` and `machband export`
 
-use std::time::Instant;
+use std::{collections::HashSet, time::Instant};
 
 use super::{Bar, count, print_line, told_of};
 use crate::{
@@ -48,17 +48,23 @@ pub(super) fn repair(request: &Repair) -> anyhow::Result<()> {
     conclude::<Repair>(request.repair(&Bar::new("files"))?)
 }
 
-/// Fails with all errors, if there are any.
+/// Fails with all errors, if there are any. One that concerns several sessions is told once.
 fn conclude<T: Request>(found: Found) -> anyhow::Result<()> {
-    let errors: Vec<String> = found.errors.into_iter().map(|error| told_of::<T>(&error.into())).collect();
+    let mut told = HashSet::new();
+    let errors = found.errors.into_iter().map(|error| told_of::<T>(&error.into()));
+    let errors: Vec<String> = errors.filter(|error| told.insert(error.clone())).collect();
     if errors.is_empty() { Ok(()) } else { Err(anyhow::anyhow!(errors.join("\n"))) }
 }
 
 pub(super) fn export(request: &Export) -> anyhow::Result<()> {
     let waiting = Bar::new("exporting");
+    signals::watch();
     let exported = request.export(&waiting);
     waiting.clear();
-    let exported = exported?;
+    let exported = exported.map_err(|error| match signals::received() {
+        Some(signal) => anyhow::anyhow!("{}: ended by {signal}; nothing was written", request.out.display()),
+        None => error,
+    })?;
     let pictures = match exported.pictures {
         0 => String::new(),
         pictures => format!(", {}", count(pictures as u64, "picture")),

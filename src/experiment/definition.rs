@@ -15,8 +15,6 @@ use super::{
 };
 use crate::{stimulus::Stimulus, text::names::serde_as_text};
 
-/// Highest rating on the paper's scale; ratings are 0…3 (Bangay §3.1).
-pub const MAX_RATING: u8 = 3;
 /// The definition of an experiment: what is varied, in what order it is shown, and how it is shown and rated. A
 /// [`Protocol`](super::Protocol) is a definition without errors. It is serialized in the form of its file, so that the
 /// copy in a sidecar can be read back; texts that equal their defaults are left out.

@@ -22,7 +22,7 @@ mod texts;
 
 pub use condition::{Condition, Factor};
 pub use course::Course;
-pub use definition::{Definition, Design, MAX_RATING, Order, Plan, Presentation, Recovery, SessionRules, ViewingPlan};
+pub use definition::{Definition, Design, Order, Plan, Presentation, Recovery, SessionRules, ViewingPlan};
 pub use faults::{DefinitionError, DefinitionErrors};
 pub use frame_log::{FrameRun, Shown};
 pub use observer::{
@@ -32,7 +32,7 @@ pub use participant::{Answers, FieldKind, FieldSpec, Identity, MAX_ANSWER, Parti
 pub use protocol::{Protocol, name_error};
 pub use record::{
     Column, IN_BIDS, Rating, RatingRow, RowContext, SECOND, SIMULATED, STIM_FILE, STIMULUS, Seconds, TaskAnswer,
-    TrialRecord, columns, columns_by_header, is_reserved,
+    TrialRecord, columns, common_columns, is_reserved,
 };
 pub use replay::{Replay, Replayed};
 pub use scale::{CATEGORIES, Category, ResponseScale};

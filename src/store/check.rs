@@ -1,26 +1,25 @@
 //! Identifies the type of a file and finds every error in it, not only the first.
 
 use std::{
-    collections::{BTreeSet, HashMap},
-    path::Path,
+    collections::BTreeSet,
+    path::{Path, PathBuf},
 };
 
 use super::{
-    FileError, FileErrors, StoreError,
+    FileErrors, StoreError,
     dataset::{self, DATA_FILE, FRAMES_SUFFIX},
     definition,
-    file::{exists, read_bytes, read_text},
+    file::{exists, read_text},
     image, matches, observer, profile,
     ratings::column_names,
     readings,
-    recorded::{Order, Recorded},
-    results,
+    recorded::Recorded,
     scene::{self, SceneFile},
     toml::Document,
 };
 use crate::{
     display::DisplayProfile,
-    experiment::{Identity, OrderedLogit, Protocol, Schedule, VisionRater, columns_by_header},
+    experiment::{Identity, OrderedLogit, Protocol, Schedule, VisionRater},
     shading::Composition,
     system::{fonts, found},
 };
@@ -61,20 +60,16 @@ pub fn check_large(name_or_path: impl AsRef<Path>, pixels: u64) -> Result<Checke
     if definition::built_in(path).is_some() {
         return check_definition(definition::open(path)?);
     }
+    if let Some(csv) = session_of_frames(path)? {
+        let session = check_session(&csv)?;
+        return Ok(Checked { sentence: format!("frames of a {}", session.sentence), ..session });
+    }
     let checked = match path.extension().and_then(|extension| extension.to_str()) {
-        // The seal of a session is also that of its frames.
-        Some("csv") if name.ends_with(FRAMES_SUFFIX) && exists(path)? => {
-            let session = check_session(Path::new(&format!("{}{DATA_FILE}", name.trim_end_matches(FRAMES_SUFFIX))))?;
-            Checked { sentence: format!("frames of a {}", session.sentence), ..session }
-        }
-        Some("csv") => match column_names(path) {
-            Ok(names) if names.first().is_some_and(|name| name == "channel") => check_readings(path)?,
-            Ok(names) if names.first().is_some_and(|name| name == "event") => {
-                format!("{} visual matches of a display", matches::open(path)?.len()).into()
-            }
-            Err(error @ StoreError::Io { .. }) => return Err(error),
-            // What is no table has the errors of a result file.
-            _ => check_results(path)?,
+        Some("csv") if dataset::identity(path).is_ok() && exists(path)? => check_session(path)?,
+        Some("csv") => match column_names(path)?.first().map(String::as_str) {
+            Some("channel") => check_readings(path)?,
+            Some("event") => format!("{} visual matches of a display", matches::open(path)?.len()).into(),
+            _ => check_session(path)?,
         },
         Some("ti3" | "mat") => check_readings(path)?,
         Some("png") => image::verify(path, pixels)?.into(),
@@ -96,6 +91,17 @@ fn check_readings(path: &Path) -> Result<Checked, StoreError> {
     let readings = readings::open(path)?;
     let channels: Vec<&str> = readings.channels().iter().map(|channel| channel.name()).collect();
     Ok(format!("{} photometer readings, {}", readings.all().len(), channels.join(", ")).into())
+}
+
+/// Returns the data file of the session whose frames these are, which is checked together with them: the seal of a session
+/// is also that of its frames. `None` if this is another file, or does not exist.
+///
+/// # Errors
+/// The file cannot be accessed.
+pub fn session_of_frames(path: &Path) -> Result<Option<PathBuf>, StoreError> {
+    let name = path.file_name().and_then(|name| name.to_str()?.strip_suffix(FRAMES_SUFFIX));
+    let csv = name.map(|stem| path.with_file_name(format!("{stem}{DATA_FILE}")));
+    Ok(if csv.is_some() && exists(path)? { csv } else { None })
 }
 
 /// Identifies the kind of TOML file by a required key that the other kinds lack.
@@ -151,40 +157,12 @@ pub fn missing_fonts(missing: &BTreeSet<char>) -> Option<String> {
         .then(|| format!("No font on this computer has these characters of the participant's texts: {listed}{more}."))
 }
 
-/// Checks a result file against the definition and the seed in its sidecar. The sidecar may be missing only outside a
-/// data set.
-fn check_results(path: &Path) -> Result<Checked, StoreError> {
-    let has_sidecar = exists(&path.with_extension("json"))? || dataset::described(path)?.is_some();
-    if dataset::identity(path).is_ok() && has_sidecar {
-        return check_session(path);
-    }
-    let content = read_bytes(path, results::MAX_FILE, "a result file")?;
-    let header = content.split(|byte| *byte == b'\n').next().unwrap_or_default();
-    let columns = columns_by_header(String::from_utf8_lossy(header).trim_end().split(','));
-    let rows = results::parse(&path.display().to_string(), &content, &columns)?;
-    let (mut errors, mut orders) = (Vec::new(), HashMap::new());
-    for (row, line) in rows.iter().zip(2..) {
-        let session = (&row.subject_id, &row.session_id);
-        let order = orders.entry(session).or_insert_with(|| Order::new(false, usize::MAX));
-        errors.extend(order.add(row).into_iter().map(|message| FileError::at(path, (line, 1), message)));
-    }
-    FileErrors::none(errors)?;
-    let sentence = format!(
-        "result file: {} rows; the trial order was not checked because that requires a session's file and its sidecar",
-        rows.len()
-    );
-    Ok(sentence.into())
-}
-
+/// Checks a result file against the definition, the seed and the seals in its sidecar.
 fn check_session(path: &Path) -> Result<Checked, StoreError> {
     let session = Recorded::open(path)?;
-    let mut errors = [session.row_errors(), &session.changed].concat();
-    let interruption = session.interruption();
-    if let Some((line, what)) = session.incomplete_line().filter(|_| interruption.is_none()) {
-        errors.push(FileError::at(path, (line, 1), format!("{what}; expected complete rows")));
-    }
-    FileErrors::none(errors)?;
+    let cut = Vec::from_iter(session.cut_line());
+    FileErrors::none([session.row_errors(), &session.changed, &cut].concat())?;
     let ((rated, planned), rows, name) = (session.rated(), session.rows.len(), &session.protocol.name);
     let sentence = format!("result file: {rows} rows; {rated} of {planned} planned trials of {name} rated");
-    Ok(Checked { warning: interruption.map(|found| found.message), ..sentence.into() })
+    Ok(Checked { warning: session.interruption().map(|found| found.message), ..sentence.into() })
 }

@@ -7,6 +7,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use crate::system::signals::Ended;
+
 /// One error in a file: its location, what is wrong, and what is expected.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileError {
@@ -203,6 +205,12 @@ pub enum StoreError {
     /// A file cannot be parsed.
     #[error(transparent)]
     FileErrors(#[from] FileErrors),
+}
+
+impl From<Ended> for StoreError {
+    fn from(Ended { place, signal }: Ended) -> Self {
+        FileErrors::whole(place, format!("ended by {signal}; expected to be done to the end")).into()
+    }
 }
 
 impl StoreError {

@@ -39,8 +39,13 @@ static RECEIVED: OnceLock<Arc<AtomicUsize>> = OnceLock::new();
 /// signal that cannot be watched ends the program, as before.
 #[cfg(unix)]
 pub fn watch() {
-    use signal_hook::{consts::SIGHUP, flag};
+    use signal_hook::{
+        consts::{SIGHUP, SIGXFSZ},
+        flag,
+    };
 
+    // Otherwise, this signal would end the program where a write can fail because the file is too large.
+    let _ = flag::register(SIGXFSZ, Arc::default());
     let (received, again) = (RECEIVED.get_or_init(Arc::default), Arc::default());
     for signal in watched() {
         // The order matters: the first signal arms the second. SIGHUP does neither, because a system that shuts down may

@@ -5,7 +5,10 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use super::{Found, Watcher, image::outdated};
-use crate::store::{check::check_large, image::MAX_PIXELS};
+use crate::store::{
+    check::{check_large, session_of_frames},
+    image::MAX_PIXELS,
+};
 
 /// Check definitions, result files, display profiles, readings, observers, scenes and images, and report every error.
 ///
@@ -31,6 +34,13 @@ impl Check {
         let pixels = if self.large { u64::MAX } else { MAX_PIXELS };
         let mut all = Found::default();
         for file in &self.files {
+            // A pattern such as `data/*.csv` names both files of a session.
+            if let Ok(Some(csv)) = session_of_frames(file)
+                && self.files.contains(&csv)
+            {
+                all.add(file, format!("frames; checked with {}", csv.display()), watcher)?;
+                continue;
+            }
             match check_large(file, pixels) {
                 Ok(found) => {
                     let missing = found.warning.map(|warning| format!("{}: {warning}", file.display()));

@@ -7,9 +7,7 @@ use std::{
     process::Command,
 };
 
-use crate::common::{
-    change_rating, fails, json, machband, number, records, refuses, session_csv, skip, split, succeeds, table, text,
-};
+use crate::common::{fails, json, machband, number, records, refuses, session_csv, skip, split, succeeds, table, text};
 
 /// Returns a folder with the results of some simulated participants.
 fn study(experiment: &str, participants: u32) -> tempfile::TempDir {
@@ -190,6 +188,30 @@ fn counts_give_the_same_analysis_as_rows() {
     assert_eq!((&a["coefficients"], &a["loglik"]), (&b["coefficients"], &b["loglik"]));
 }
 
+/// The scale of a table without a definition is that of its ratings.
+#[test]
+fn counts_and_exports_keep_a_scale_of_any_length() {
+    let folder = tempfile::tempdir().unwrap();
+    let five = "schema = 1\nname = \"five\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\nwidth = [0.1, 0.4]\n[design]\n\
+                repetitions = 12\n[response]\nlabels = [\"a\", \"b\", \"c\", \"d\", \"e\"]\n";
+    fs::write(folder.path().join("five.toml"), five).unwrap();
+    for line in
+        ["simulate five.toml --participants 3 --results r", "counts r --out c.csv", "export r --format bids --out b"]
+    {
+        succeeds(folder.path(), &split(line));
+    }
+    let tables: String =
+        (1..=3).map(|n| format!(" b/sub-S00{n}/ses-1/beh/sub-S00{n}_ses-1_task-five_beh.tsv")).collect();
+    let means = ["r", "c.csv", &tables].map(|input| {
+        let line = format!("analyze {input} --factors width --tables-only --draws 99 --out a --force");
+        let output = machband(folder.path(), &split(&line));
+        assert!(output.status.success(), "{line}: {}", text(&output.stderr));
+        let cells = records(&folder.path().join("a/cells.csv"));
+        cells.iter().map(|row| [&row["width"], &row["n"], &row["mean"]].map(String::clone)).collect::<Vec<_>>()
+    });
+    assert!(means[0].len() == 2 && means.iter().all(|other| *other == means[0]), "{means:?}");
+}
+
 /// Other scales and column names work: counts give the same analysis as the file, and if the order of the categories is
 /// unknown, the error asks for it.
 #[test]
@@ -250,33 +272,6 @@ fn terms_select_the_model() {
         2: --terms width,depth,orientation_deg --slopes correlated => expected at most 10
         2: --link cloglog => logit";
     refuses(folder.path(), "analyze results --out b {}", cases);
-}
-
-#[test]
-fn changed_files_are_analyzed_with_a_warning() {
-    let folder = study("quick", 2);
-    change_rating(&session_csv(&folder.path().join("results"), "quick", "S002"));
-    let warned = |line: &str, expected: &str| {
-        let output = machband(folder.path(), &split(line));
-        let warnings = text(&output.stderr);
-        assert!(output.status.success(), "{line}: {warnings}");
-        assert_eq!(warnings.lines().count(), 1, "{line}: {warnings}");
-        assert!(warnings.starts_with("warning: ") && warnings.contains(expected), "{line}: {warnings}");
-    };
-    let expected = "subject-S002_session-1_task-quick_data.csv: was changed since the session ended";
-    warned("counts results --out counts.csv", expected);
-    warned("predict quick --fit results", expected);
-    warned("analyze results --draws 99 --out a", expected);
-    let report = fs::read_to_string(folder.path().join("a/report.html")).unwrap();
-    let quality = report.find("id=\"health\"").unwrap();
-    assert!(report[quality..].contains(expected));
-    assert!(report.contains("The input has 1 warning in 1 file; see “Data quality”."));
-    // Without its sidecar, nothing shows whether a file was changed. `check` and `verify` need the sidecar.
-    let csv = session_csv(std::path::Path::new("results"), "quick", "S002");
-    fs::remove_file(folder.path().join(&csv).with_extension("json")).unwrap();
-    warned("counts results --out counts2.csv", "subject-S002_session-1_task-quick_data.csv: has no sidecar");
-    let error = fails(folder.path(), &["check", csv.to_str().unwrap()], 1);
-    assert!(error.contains("_data.json: does not exist; expected the sidecar"), "{error}");
 }
 
 /// Returns whole numbers below a bound that look random but are the same on every machine.

@@ -353,9 +353,7 @@ fn impossible_comparisons_are_refused() {
     writer.write_image_data(&waves).unwrap();
     drop(writer);
     // What the curve of a profile says is not repaired; one number is an exponent, whichever it is.
-    for (name, points) in
-        [("falling.png", &[65535, 30000, 0][..]), ("dark.png", &[0, 10000, 30000]), ("power.png", &[461])]
-    {
+    for (name, points) in [("falling.png", &[65535, 30000, 0][..]), ("power.png", &[461])] {
         let mut profile = moxcms::ColorProfile::new_gray_with_gamma(1.0);
         profile.gray_trc = Some(moxcms::ToneReprCurve::Lut(points.to_vec()));
         let profile = profile.encode().unwrap();
@@ -371,13 +369,11 @@ fn impossible_comparisons_are_refused() {
     let cases = r"
         1: gray.png wide.png --window 2 => gray.png: has 64 × 64 pixels, but wide.png has 65 × 64
         1: black.png gray.png --window 2 --black 0 => black.png: no light in column 0, row 0
-        1: gray.png black.png --window 2 --black 0 => black.png: no light in column 0, row 0
         2: gray.png gray.png --window 2 --max=-1 => outside 0…1000000
         1: alpha.png gray.png --window 2 => transparent pixels
         1: profile.png gray.png --window 2 => has a color profile that is damaged
         1: hdr.png gray.png --window 2 => has a cICP chunk (primaries 9, transfer 16), which is not supported
         1: falling.png gray.png --window 2 => whose curve does not rise from 0 to 1
-        1: dark.png gray.png --window 2 => whose curve does not rise from 0 to 1
         1: palette.png gray.png --window 2 => has a pixel whose color is not in its palette
         1: turned.png gray.png --window 2 --transfer srgb => orientation 6 in its eXIf chunk
         1: text.png gray.png --window 2 => text.png: is not a PNG; expected a PNG
@@ -386,12 +382,8 @@ fn impossible_comparisons_are_refused() {
         1: none.png gray.png --window 2 => none.png: cannot be opened
         1: empty empty --window 2 => contains no PNG
         2: gray.png gray.png => --window is missing; expected the width of the picture in degrees, or the option --ppd
-        2: gray.png --window 2 => REFERENCE
-        2: gray.png gray.png --steps --window 2 => --steps
         2: gray.png gray.png --window 2 --dither-out out.png => expected --steps
-        2: gray.png gray.png --window=-1 => --window
         1: gray.png gray.png --window 400 => degrees
-        2: gray.png gray.png --window 2 --mask wide.png => --mask
         1: one one --window 2 --mask wide.png => error: --mask: wide.png has 65 × 64 pixels
         2: empty empty --window 2 --map map.png => --map";
     refuses(pictures.0.path(), "compare {}", cases);

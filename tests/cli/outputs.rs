@@ -15,7 +15,7 @@ use machband::{
 
 use crate::common::{
     attacks::{FILES, PANICS, ROWS, withstood},
-    command, everything, fails, machband, split, succeeds, text,
+    everything, fails, machband, split, succeeds, text,
 };
 
 fn is<T: 'static>(argument: &Arg) -> bool {
@@ -271,16 +271,7 @@ fn existing_files_are_replaced_only_with_force() {
         outputs.iter().for_each(|output| assert_ne!(fs::read(at(output)).unwrap(), b"old", "{line}"));
         outputs.iter().for_each(|output| fs::remove_file(at(output)).unwrap());
     }
-    // An analysis is replaced as a whole or not at all.
     succeeds(folder.path(), &split("analyze z --tables-only --draws 99 --out a"));
-    fs::remove_file(at("a/cells.csv")).unwrap();
-    fs::write(at("a/model.json"), "precious").unwrap();
-    let before = everything(folder.path());
-    let error = fails(folder.path(), &split("analyze z --tables-only --draws 99 --out a"), 2);
-    assert!(error.starts_with("error: a/") && error.contains("--force"), "{error}");
-    assert!(everything(folder.path()) == before);
-    succeeds(folder.path(), &split("analyze z --tables-only --draws 99 --out a --force"));
-    assert!(at("a/cells.csv").exists());
     // The files of an input folder are inputs.
     fs::create_dir(at("plain")).unwrap();
     fs::copy(at("a/counts.csv"), at("plain/c.csv")).unwrap();
@@ -301,11 +292,6 @@ fn existing_files_are_replaced_only_with_force() {
     }
     #[cfg(unix)]
     {
-        // Also if it leads to a regular file.
-        let to = fs::File::create(folder.path().with_extension("stdout")).unwrap();
-        let output = command(folder.path(), &split("counts z --out /dev/stdout")).stdout(to).output().unwrap();
-        assert!(text(&output.stderr).starts_with("error: /dev/stdout: is not a regular file"), "{output:?}");
-        fs::remove_file(folder.path().with_extension("stdout")).unwrap();
         std::os::unix::fs::symlink("nothing", at("dangling")).unwrap();
         assert!(fails(folder.path(), &split("counts z --out dangling --force"), 2).contains("is not a regular file"));
         fs::remove_file(at("dangling")).unwrap();

@@ -1,11 +1,7 @@
 //! Requests: one struct that the command line, Python and the window fill in, and the words that repeat it. Tables: what is
 //! printed as JSON is what the CSV file says.
 
-use std::{
-    collections::{BTreeMap, BTreeSet},
-    fs,
-    path::Path,
-};
+use std::{collections::BTreeMap, fs, path::Path};
 
 use clap::{Args, Command};
 use machband::{
@@ -228,27 +224,6 @@ fn every_cell_is_the_same_in_csv_and_in_json() {
         let found: serde_json::Value = serde_json::from_str(&found).unwrap();
         assert_eq!(found["picture"], name);
     }
-}
-
-/// The levels of any file stay the texts that they are; `nan` and an empty cell are missing values.
-#[test]
-fn levels_keep_their_text() {
-    let folder = tempfile::tempdir().unwrap();
-    let levels = ["inf", "007", "nan", "\"a, \"\"b\"\"\"", "-1", "=2", ""];
-    let rows = (0..8 * levels.len()).map(|i| format!("0{},{},{}\n", i % 8, levels[i / 8], (i * i / 3) % 4));
-    let table = "subject_id,level,rating\n".to_owned() + &rows.collect::<String>();
-    fs::write(folder.path().join("levels.csv"), table).unwrap();
-    let analyze = ["analyze", "levels.csv", "--factors", "level", "--out", "a", "--tables-only", "--draws", "99"];
-    let warnings = text(&machband(folder.path(), &analyze).stderr);
-    assert_eq!(warnings, "warning: levels.csv: 16 of 56 ratings have no value of level; expected one in every row\n");
-    let column = |file: &str, name: &str| -> BTreeSet<String> {
-        let rows = self::rows(&fs::read(folder.path().join("a").join(file)).unwrap());
-        rows.into_iter().flatten().filter(|(column, _)| column == name).map(|(_, cell)| cell).collect()
-    };
-    let known = ["", "'=2", "-1", "007", "a, \"b\"", "inf"].map(str::to_owned);
-    assert_eq!(column("cells.csv", "level"), known.clone().into());
-    assert_eq!(column("counts.csv", "level"), known.into());
-    assert_eq!(column("subjects.csv", "subject_id"), (0..8).map(|i| format!("0{i}")).collect());
 }
 
 proptest! {

@@ -206,6 +206,25 @@ fn a_signal_closes_the_sitting() {
     withstood("signals, once and twice", 3 * writes as usize, &ALL);
 }
 
+#[test]
+fn an_export_that_a_signal_ends_leaves_nothing() {
+    if shim::library().is_none() {
+        return;
+    }
+    let (sweep, folder) = (Sweep::new(1), sweep::folder());
+    assert!(simulate(&sweep, folder.path(), &[], false).status.success());
+    for format in ["bids", "psych-ds"] {
+        let mut command = Command::new(MACHBAND);
+        command.args(["export", "first", "--out", "out", "--format", format]).current_dir(folder.path());
+        let faults = [fault("write", 1, "INT", false)];
+        let (ended, _) = shim::run_with(&mut command, &faults, folder.path(), &folder.path().join("log"));
+        assert_eq!(ended.status.code(), Some(130), "{ended:?}");
+        assert_eq!(ended.stderr, "error: out: ended by SIGINT; nothing was written\n");
+        let left: Vec<_> = fs::read_dir(folder.path()).unwrap().flatten().map(|entry| entry.file_name()).collect();
+        assert!(left.iter().all(|name| name == "first" || name == "log"), "{left:?}");
+    }
+}
+
 /// `nohup` starts a program with SIGHUP ignored; it must stay ignored.
 #[test]
 fn an_ignored_signal_stays_ignored() {
@@ -218,6 +237,18 @@ fn an_ignored_signal_stays_ignored() {
     command.env("LD_PRELOAD", library).env("MACHBAND_FAULT", "write:5:HUP").env("MACHBAND_FAULT_UNDER", folder.path());
     let ended = run::ended(&mut command);
     assert!(ended.status.success(), "{ended:?}");
+}
+
+/// Where a limit forbids a file to grow, the system sends a signal that would end the program.
+#[test]
+fn a_file_that_may_not_grow_is_an_error() {
+    let (sweep, folder) = (Sweep::new(1), sweep::folder());
+    let mut command = Command::new("sh");
+    command.args(["-c", "ulimit -f 3; exec \"$@\"", "sh", MACHBAND, "simulate", "--observer", "paper", "--seed", "7"]);
+    command.arg(sweep.definition(DEFINITION)).arg("--results").arg(folder.path().join("first"));
+    let ended = run::ended(&mut command);
+    assert!(ended.status.code() == Some(1) && ended.stderr.contains("File too large"), "{ended:?}");
+    assert_resumes(&sweep, folder.path(), "a limit on the size of files");
 }
 
 /// The folder that the window proposes if an answer cannot be saved is the user's own, not the shared temporary folder.

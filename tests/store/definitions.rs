@@ -118,7 +118,6 @@ title = "My study" => titel = "My study" => 3:1 => unknown key "titel" | did you
 width = [0.1, 0.4] => widht = [0.1, 0.4] => 12:1 => "widht" | [factors] | did you mean width?
 # Values out of range.
 width = [0.1, 0.4] => width = [0.1, 1.5] => 12:15 => width 1.5 | 0…1
-depth = [1, 2, "inf"] => depth = [0] => 13:10 => depth 0 | 1 to 32
 depth = [1, 2, "inf"] => depth = [1.5] => 13:10 => 1.5 | is not a whole number
 depth = [1, 2, "inf"] => depth = [] => 13:1 => factor depth is empty | at least one level
 depth = [1, 2, "inf"] => orientation_deg = [0, nan] => 13:23 => orientation_deg "NaN" is not a number
@@ -131,21 +130,17 @@ name = "mine" => name = 7 => 2:1 => name is 7 | text in quotes
 [recovery] => [presentation]\n[recovery] => 22:2 => presentation.duration_s is missing
 # Top-level keys.
 schema = 1\n => schema = 2\n => 1:1 => schema is 2 | expected 1
-schema = 1\n => \n => 1:1 => schema is missing | expected schema = 1
 name = "mine" =>  => 1:1 => name is missing
 kind = "mach-band" => kind = "mach-bend" => 6:1 => kind "mach-bend" | did you mean mach-band?
 name = "mine" => name = "my/study" => 2:1 => name "my/study" | lowercase
 # Order and scale.
 order = "random" => order = "shuffled" => 19:1 => order "shuffled" | blocked:FACTOR
-order = "random" => order = "latin:color" => 19:1 => latin:color does not name a factor | width, depth
 labels = ["a", "b", "c", "d"]\nkeys = ["0", "1", "2", "3"] => labels = ["a"]\nkeys = ["0"] => 28:1 => categories is 1 | expected 2 to 11
 keys = ["0", "1", "2", "3"] => keys = ["0", "1", "2"] => 29:1 => length 3; expected 4
 keys = ["0", "1", "2", "3"] => keys = ["0", "1", "2", "1"] => 29:24 => key '1' appears twice
 keys = ["0", "1", "2", "3"] => keys = ["a", "s", "d", "f"] => 29:14 => key 's' cannot be an answer
-keys = ["0", "1", "2", "3"] => keys = ["0", "1", "2", "33"] => 29:24 => response.keys.3 is the text "33" | a character
 labels = ["a", "b", "c", "d"] => labels = ["a", " ", "c", "d"] => 28:16 => label is empty
 # The participant.
-[instructions] => [participant]\nage = 3\n[instructions] => 36:1 => participant.age is 3 | a table
 [instructions] => [participant]\nage = { requird = true }\n[instructions] => 36:9 => unknown key "requird" in [participant.age] | did you mean required?
 [instructions] => [participant]\nconsent = {}\n[instructions] => 36:1 => consent has no text
 [instructions] => [participant]\nx = { choices = ["a"], number = true }\n[instructions] => 36:1 => x has more than one of
@@ -155,12 +150,10 @@ labels = ["a", "b", "c", "d"] => labels = ["a", " ", "c", "d"] => 28:16 => label
 [instructions] => [participant]\nsessions = {}\n[instructions] => 36:1 => sessions already has another meaning
 # Scripts.
 welcome = "Hello" => welcome = "שלום" => 36:1 => Hebrew, which is written from right to left
-labels = ["a", "b", "c", "d"] => labels = ["a", "b", "c", "ᠠ"] => 28:26 => Mongolian, which is written from top to bottom
 # Too many trials.
 practice = 4 => practice = 4000000000 => 11:2 => 4000000012 trials | at most
 # Invalid TOML.
 practice = 4 => repetitions = 3 => 17:1 => not valid TOML | duplicate key
-[viewing] => [viewing => 31:9 => not valid TOML
 "##;
 
 /// Each mistake causes exactly one error, at the right place, with a message that no other mistake has.
@@ -379,11 +372,9 @@ fn display_profiles_and_observers_are_validated_too() {
         (full, "white_cd_m2 = 200\n", "", "4:1", "black_cd_m2 is given without white_cd_m2"),
         (full, "2026-01-31", "31.1.2026", "8:14", "measured.on"),
         (full, "[0.3, 0.6]", "[0.3, 0.8]", "9:35", "primaries.green"),
-        (full, "[0.3, 0.6]", "[0.64, 0.33]", "9:1", "white does not lie within the triangle"),
         (full, "gamma:2/gog:2.2,1,-0.02/srgb", "srgb/srgb", "3:1", "expected one, or three"),
         (each, "[channels.blue]\ntransfer = \"srgb\"\n", "", "3:2", "channels.blue is missing"),
         (good, "\"gamma:2.2\"", "\"table\"", "3:1", "expected"),
-        (table, "0.2, 1]", "0.2, 0.1]", "3:1", "expected"),
         (table, "\"table\"", "\"srgb\"", "3:1", "require transfer = \"table\""),
     ];
     for (text, from, to, position, part) in cases {
@@ -395,10 +386,8 @@ fn display_profiles_and_observers_are_validated_too() {
     let cases = [
         ("schema = 1", "schema = 9", "schema is 9"),
         ("[0.0, 1.5, 3.5]", "[0.0, 3.5, 1.5]", "three increasing numbers"),
-        ("[0.0, 1.5, 3.5]", "[0.0, 1.5]", "length 2"),
         ("lapse = 0.01", "lapse = 1.01", "lapse 1.01 is outside 0…1"),
         ("lapse = 0.01", "lapes = 0.01", "did you mean lapse?"),
-        ("subject_sd = 0.6", "subject_sd = -1", "subject_sd -1"),
     ];
     for (from, to, part) in cases {
         assert_eq!(observer::PAPER.matches(from).count(), 1, "{from}");

@@ -364,25 +364,19 @@ fn adaptive_pairs_compare_neighbors_most() {
 const MISTAKES: &str = r##"
 [task]\nkind = "chioce"\n => 7:1 => kind "chioce" is not known; expected one of rating, choice, yes-no, pair, adjust; did you mean choice?
 [task]\nscale = "slider"\n => 6:2 => task.kind is missing; expected kind = …
-CHOICEalternatives = 3\n => 9:1 => alternatives is 3; expected 2 or 4
-[task]\nkind = "choice"\nreference = { depth = 0 }\n => 8:15 => depth 0
 [task]\nkind = "choice"\nreference = { depth = 1 }\n => 8:1 => the reference looks like the target
 [task]\nkind = "pair"\n => 1:1 => there is nothing to compare
 DEPTHSorder = "blocked:depth"\n[task]\nkind = "pair"\n => 10:1 => pairs have no levels of their own
 DEPTHS[task]\nkind = "pair"\npairs = "chain"\nalong = "low"\n => 13:1 => along "low" is not a factor; expected depth
 HIGHSADJUST"high"\nlow = 0.6\nhigh = 0.7\n => 10:1 => high is a factor
 [task]\nkind = "adjust"\nparameter = "tanh_k"\nlow = 1\nhigh = 9\n => 8:1 => tanh_k changes nothing that is shown
-CHOICESTAIRSparameter = "width"\nlow = 0.1\nhigh = 0.4\n => 9:2 => adaptive.start is missing
-CHOICE[adaptive]\nmethod = "quest"\n => 10:1 => method "quest" is not known; expected one of staircase, quest-plus, constant
 CHOICE[adaptive]\nmethod = "constant"\nLEVELStrials = 7\n => 13:1 => trials 7 is not a multiple of the 5 levels
 CHOICE[adaptive]\nmethod = "quest-plus"\nparameter = "width"\nlevels = [0.01, 0.01]\n => 12:17 => level 0.01 appears twice
-CHOICE[adaptive]\nmethod = "quest-plus"\nparameter = "width"\nlevels = [0, 0.02]\n => 12:11 => level 0 is not above 0
 QUESTguess = [0.1]\n => 13:1 => expected no guess rates
 QUESTsecond = { parameter = "width", levels = [0.1, 0.2], gradient = [1] }\n => 13:12 => width is varied already
 [design]\nrepetitions = 3\nCHOICE[adaptive]\nmethod = "constant"\ntrials = 10\nLEVELS => 7:1 => repetitions is 3, but trials says that there are 10
 [adaptive]\nmethod = "quest-plus"\nLEVELS => 6:2 => a task of the kind rating has no levels to choose
 CHOICECONSTANTparameter = "depth"\neasier = "low"\ntrials = 9\nlevels = [2, 2.5, 3]\n => 14:14 => depth 2.5 is not a whole number
-ADJUST"depth"\nlow = 1\nhigh = 8\n => 8:1 => depth has whole numbers only
 ADJUST"low"\nlow = 0.1\nhigh = 0.5\n[response]\nkeys = ["1"]\n => 12:1 => expected no keys
 [task]\nkind = "rating"\nscale = "slider"\n[response]\nkeys = ["1", "2"]\n => 10:1 => expected no keys
 QUESTsecond = { parameter = "low", levels = [0.1, 0.9], gradient = [1] }\n => 11:1 => high 0.75 is below low, which is 0.9
@@ -397,9 +391,7 @@ CHOICEshown = "places"\nduration_s = 0.3\n => 10:1 => duration_s applies to inte
 DEPTHS[task]\nkind = "pair"\nalong = "depth"\n => 12:1 => along applies to chains only
 [task]\nkind = "pair"\npairs = "chain"\nreference = { depth = "inf" }\n[adaptive]\nmethod = "constant"\ntrials = 10\nLEVELS => 8:1 => pairs applies to pairs of conditions only
 CHOICESTAIRSparameter = "width"\nstart = 0.2\nlow = 0.1\nhigh = 0.4\nsteps = [5]\n => 15:10 => steps 5 is outside 0.000001…0.60206; expected a size in base-10 logarithms
-QUESTtrails = 3\n => 13:1 => unknown key "trails" in [adaptive]; expected one of method, parameter, log, easier, trials, levels
 QUESTsecond = { parameter = "high", levels = [0.5, 0.6], gradient = [nan] }\n => 13:65 => is NaN; expected a finite number
-[response]\nlabels = ["a", "a"]\n => 7:16 => label "a" appears twice
 [design]\norder = "latin:width"\n => 7:1 => expected random, because there are none
 [factors]\ndepth = [1, "inf"]\nCHOICE => 10:1 => the reference looks like the target
 "##;

@@ -156,7 +156,7 @@ fn simulated(source: &Source, results: &Results) -> Option<String> {
     } else {
         format!(
             "Some of these data are simulated: {} of {} ratings of {} of {} ({}) come from a program. The results combine them \
-             with ratings from people.",
+             with other ratings.",
             whole(from_program),
             whole(all),
             simulated.len(),

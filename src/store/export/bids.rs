@@ -24,6 +24,7 @@ use crate::{
         recorded::{Recorded, Renderer, picture_errors},
         sidecar::Sitting,
     },
+    system::signals,
 };
 
 /// Version of the BIDS standard.
@@ -313,7 +314,8 @@ A corrected response is a separate row with `attempt` + 1; the last attempt of a
 than `TrialsPlanned`, the session is unfinished. `Sittings` describes the program and the screen. A sitting with a
 `SimulatedObserver` had neither a participant nor a screen.
 
-`stim_file` names the picture in `stimuli/`, which was re-rendered from its recipe; its hash matches what was shown.
+`stim_file` names the picture in `stimuli/`, which was re-rendered from its recipe; its hash matches what was shown. A
+study's own pictures are not included.
 `sourcedata/` contains the data as recorded: a Psych-DS data set for each experiment. The JSON file next to each CSV file
 contains the definition, the display profile and a record of the session.
 "
@@ -393,18 +395,30 @@ fn write_stimuli(
 ) -> Result<(Stimuli, usize), StoreError> {
     let sessions = || experiments.iter().flat_map(|experiment| &experiment.sessions);
     let mut renderer = Renderer::default();
-    FileErrors::none(sessions().flat_map(|session| picture_errors(session, &mut renderer)).collect())?;
+    let mut wrong = Vec::new();
+    for session in sessions() {
+        signals::check(&session.csv)?;
+        wrong.extend(picture_errors(session, &mut renderer));
+    }
+    FileErrors::none(wrong)?;
     // Identical pictures share one file.
     let (mut names, mut files) = (HashMap::<String, String>::new(), BTreeMap::new());
     let (mut shown, mut proved) = (HashMap::new(), HashSet::new());
     for session in sessions() {
         let mut sittings = BTreeMap::<u32, BTreeMap<String, &Stimulus>>::new();
+        let mut has_own = false;
         for (index, row) in session.rows.iter().enumerate() {
             // Files of the study's own are not in the data set, so they cannot be exported either.
-            let drawable = session.stimuli(index).into_iter().filter(|stimulus| stimulus.is_drawable());
-            let stimuli = drawable.map(|stimulus| (stimulus.key(), stimulus));
+            let (drawable, own): (Vec<&Stimulus>, Vec<&Stimulus>) =
+                session.stimuli(index).into_iter().partition(|stimulus| stimulus.is_drawable());
+            has_own |= !own.is_empty();
+            let stimuli = drawable.into_iter().map(|stimulus| (stimulus.key(), stimulus));
             sittings.entry(row.sitting).or_default().extend(stimuli);
         }
+        notes.extend(has_own.then(|| {
+            let name = &session.protocol.name;
+            format!("{name}: the study's own pictures are not in the data set and not exported; their stim_file is n/a")
+        }));
         for (sitting, stimuli) in sittings {
             let known = session.sidecar.sittings.get((sitting as usize).saturating_sub(1));
             let Some(pictures) = known.and_then(|sitting| sitting.pictures.as_ref()) else {
@@ -444,6 +458,7 @@ fn write_stimuli(
     }
     files.par_iter().try_for_each(|(name, (recipe, quantizer))| {
         let path = folder.join(name);
+        signals::check(&path)?;
         write_file(&path, &image::recipe_png(&path, recipe, quantizer, image::Finish::Codes)?)
     })?;
     Ok((Stimuli(shown), files.len()))

@@ -25,6 +25,7 @@ use crate::{
         results,
         session::seal,
     },
+    system::signals,
     text::is_formula,
 };
 
@@ -84,16 +85,19 @@ pub(super) fn refuse_links(from: &Path, files: &[PathBuf]) -> Result<(), FileErr
 }
 
 /// Reads all sessions, or reports all their errors. Unless `accept_changes` is true, it is an error if a file was
-/// changed after its session ended.
-/// Leaves out the sessions that are being recorded, with a note for each.
+/// changed after its session ended. Leaves out the sessions that are being recorded, with a note for each.
 pub(super) fn read(
     files: &[PathBuf],
     accept_changes: bool,
     notes: &mut Vec<String>,
 ) -> Result<Vec<Recorded>, StoreError> {
-    let open = |csv: &PathBuf| Recorded::open(csv).map(|session| (errors(&session), session));
+    let open = |csv: &PathBuf| {
+        signals::check(csv)?;
+        Ok(Recorded::open(csv).map(|session| (errors(&session), session)))
+    };
+    let opened = files.par_iter().map(open).collect::<Result<Vec<_>, StoreError>>()?;
     let (mut sessions, mut wrong) = (Vec::new(), Vec::new());
-    for (csv, opened) in files.iter().zip(files.par_iter().map(open).collect::<Vec<_>>()) {
+    for (csv, opened) in files.iter().zip(opened) {
         let mut leave_out = |why: &str| notes.push(format!("{}: {why}; the session is left out", csv.display()));
         match opened {
             Ok((_, Recorded { running: Some(why), .. })) => leave_out(&why),
@@ -221,6 +225,7 @@ pub(super) fn copy(experiment: &Experiment, folder: &Path, notes: &mut Vec<Strin
         write_json(&folder.join(PARTICIPANTS_DESCRIBED), &descriptions.into())?;
     }
     for session in &experiment.sessions {
+        signals::check(&session.csv)?;
         let csv = data.join(session.csv.file_name().unwrap_or_default());
         write_file(&csv, &session.data)?;
         write_file(&csv.with_extension("json"), &session.sidecar_text)?;

@@ -13,7 +13,7 @@ use super::{
     source::{Definitions, Layout, ReadOptions, Shape},
 };
 use crate::{
-    experiment::{Factor, MAX_RATING, Protocol, SIMULATED, STIM_FILE, STIMULUS, columns_by_header},
+    experiment::{Factor, Protocol, SIMULATED, STIM_FILE, STIMULUS, common_columns},
     stimulus::is_direction,
     store::{FileError, StoreError, file::exists, session::seal, sidecar::Sidecar},
     text::names::{expected_one_of, some_of},
@@ -83,7 +83,7 @@ pub(super) struct Selection {
     pub definition_sha256: Option<String>,
     /// The experiment that all rows belong to, if known.
     pub experiment: Option<String>,
-    /// The highest rating, if ratings are on the scale of the definition or, without one, on our own, 0…3.
+    /// The highest rating, if ratings are on the scale of a definition.
     pub own_scale: Option<u8>,
     /// The columns of a wide table, which are levels of the last factor.
     pub wide: Vec<String>,
@@ -117,10 +117,8 @@ impl Selection {
         }
         let Some(first) = inputs.first() else { return (None, errors) };
         let protocol = inputs.iter().find_map(|file| file.protocol.clone()).map(Arc::unwrap_or_clone);
-        // A table from elsewhere may have any scale.
-        let is_ours = protocol.is_some() || first.is_results() || !first.in_memory();
-        let own_scale = (is_ours && options.own_scale())
-            .then(|| protocol.as_ref().map_or(MAX_RATING, |all| all.response.highest()));
+        // Without a definition, any scale is possible.
+        let own_scale = protocol.as_ref().filter(|_| options.own_scale()).map(|all| all.response.highest());
         let shape = shape(&inputs, (first, own_scale), protocol.as_ref(), options);
         let experiment = inputs.iter().find_map(|file| file.experiment().map(str::to_owned));
         let definition_sha256 = inputs.iter().find_map(|file| Some(file.sidecar.as_ref()?.definition_sha256.clone()));
@@ -271,7 +269,7 @@ impl Input {
 
     /// Returns the columns that are neither standard columns of a result file nor named for another use.
     fn other_columns(&self, options: &ReadOptions) -> Vec<String> {
-        let fixed = columns_by_header(std::iter::empty());
+        let fixed = common_columns();
         let named = [self.subject(options), options.response(), options.time(), SIMULATED];
         let named = named.into_iter().chain(options.order.as_deref()).chain(self.header.is_bids.then_some(STIM_FILE));
         let known = fixed.iter().map(|column| column.name.as_str()).chain(named);

@@ -293,7 +293,7 @@ impl ReadOptions {
         self.response.as_deref().unwrap_or("rating")
     }
 
-    /// True if the response is a rating on our own scale, 0…3.
+    /// True if the response is the rating of a session.
     pub(super) fn own_scale(&self) -> bool {
         self.response.is_none() && self.wide.is_none()
     }

@@ -122,20 +122,26 @@ impl Recorded {
         })
     }
 
-    /// Returns the number of the incomplete line at the end of the data file, which may be the header, and what is wrong with it.
-    pub(in crate::store) fn incomplete_line(&self) -> Option<(usize, String)> {
+    /// Returns the number of the incomplete line at the end of the data file, which may be the header.
+    fn incomplete_line(&self) -> Option<usize> {
         let line = self.rows.len() + 1 + usize::from(self.data.contains(&b'\n'));
-        let what = |text: &String| match text.as_str() {
-            "" => "the line has only zero bytes".to_owned(),
-            text => format!("the line is incomplete, {text:?}"),
-        };
-        self.partial_line.as_ref().map(|text| (line, what(text)))
+        self.partial_line.is_some().then_some(line)
     }
 
     /// Says that the last line is incomplete, if the session did not end.
     pub fn interruption(&self) -> Option<FileError> {
-        let (line, _) = self.incomplete_line().filter(|_| !self.sidecar.is_sealed())?;
+        let line = self.incomplete_line().filter(|_| !self.sidecar.is_sealed())?;
         Some(FileError::whole(&self.csv, interrupted(line)))
+    }
+
+    /// Returns the error that the last line is incomplete although the session ended.
+    pub(in crate::store) fn cut_line(&self) -> Option<FileError> {
+        let line = self.incomplete_line().filter(|_| self.sidecar.is_sealed())?;
+        let what = match self.partial_line.as_deref() {
+            Some("") | None => "the line has only zero bytes".to_owned(),
+            Some(text) => format!("the line is incomplete, {text:?}"),
+        };
+        Some(FileError::at(&self.csv, (line, 1), format!("{what}; expected complete rows")))
     }
 
     /// Returns an error for each row that no session could have recorded in its place.
@@ -410,12 +416,9 @@ fn check_end(recorded: &Recorded, found: &mut Verified) {
         );
         found.errors.push(FileError::whole(&recorded.csv, message));
     }
-    match recorded.incomplete_line() {
-        Some((line, what)) if is_complete => {
-            let message = format!("{what}; expected the complete rows of a complete session");
-            found.errors.push(FileError::at(&recorded.csv, (line, 1), message));
-        }
-        Some((line, _)) => found.notes.push(interrupted(line)),
+    found.errors.extend(recorded.cut_line());
+    match recorded.interruption() {
+        Some(interruption) => found.notes.push(interruption.message),
         None if !is_complete && rated < planned => found.notes.push("not complete; it can be resumed".to_owned()),
         None => {}
     }
@@ -428,7 +431,7 @@ fn check_pictures(recorded: &Recorded, renderer: &mut Renderer, found: &mut Veri
     found.pictures = pictures.iter().map(|pictures| pictures.sha256.len() + pictures.others.len()).sum();
     if recorded.schedule.conditions.iter().any(|condition| !condition.stimulus.is_drawable()) {
         found.notes.push(format!(
-            "{} pictures are files of their own and were not rendered again; the sidecar has the hashes of the files",
+            "{} pictures are the study's own files and were not rendered again; the sidecar has the hashes of the files",
             std::mem::take(&mut found.pictures)
         ));
     }

@@ -140,23 +140,10 @@ fn sort(
     let open = lines.last().filter(|last| !last.ends_with(b"\n")).map_or(0, |_| 1);
     let (moved, all) = (found.lines.len().saturating_sub(open), lines.len() - open);
     if 2 * moved > all {
-        let cause = cause(content, columns);
-        return Err(mismatch(format!("{moved} of {all} lines are damaged{cause}; expected at most half of them")));
+        let what = "as if another program had saved the file; expected at most half of them";
+        return Err(mismatch(format!("{moved} of {all} lines are damaged, {what}")));
     }
     Ok((found, damaged, kept))
-}
-
-/// Returns the likely cause if most lines cannot be read: a program that saved the file in its own format.
-fn cause(content: &[u8], columns: &[Column]) -> &'static str {
-    let header = content.split(|byte| *byte == b'\n').next().unwrap_or_default();
-    let count = |separator: u8| header.iter().filter(|byte| **byte == separator).count();
-    let expected = columns.len() - 1;
-    match (count(b','), count(b';').max(count(b'\t'))) {
-        _ if content.contains(&0) => " because they contain zero bytes, as in UTF-16 text from a spreadsheet",
-        (_, other) if other >= expected => " because a spreadsheet saved the file with another separator",
-        (commas, _) if commas != expected => " because another program added or removed columns",
-        _ => "",
-    }
 }
 
 /// Parses one line of a data file with this header; `None` if it is not a row.
