@@ -6,7 +6,7 @@ use machband::{
     display::{Screen, Viewing},
     light::{CodeImage, Depth, Interpolation, LinearImage, Quantizer, Samples, Transfer},
     stimulus::{ParameterValue, Stimulus, catalog, recipe::Recipe},
-    store::{self, Writer, curve},
+    store::{self, Writer},
     work::{Encoding, Image},
 };
 use numpy::{IntoPyArray as _, PyArrayDyn, PyArrayMethods as _, PyReadonlyArrayDyn};
@@ -68,7 +68,7 @@ pub fn light<'py>(py: Python<'py>, kind: &str, parameters: Given, image: Fields)
 /// Returns the profile that the command `stimulus --profile` writes.
 #[pyfunction]
 pub fn profile<'py>(py: Python<'py>, kind: &str, parameters: Given, image: Fields) -> PyResult<Described<'py>> {
-    let table = |recipe: &Recipe, quantizer: &Quantizer| Ok(curve::table(recipe, quantizer));
+    let table = |recipe: &Recipe, quantizer: &Quantizer| Ok(recipe.profile(quantizer));
     described(py, made(py, (kind, parameters, image), false, table)?)
 }
 

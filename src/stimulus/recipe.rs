@@ -3,8 +3,11 @@
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
 
-use super::catalog::Stimulus;
-use crate::light::{Bits, CodeImage, Dither, LinearImage, Quantizer, Transfer, TransferTable, Transfers};
+use super::{catalog::Stimulus, drawing::place};
+use crate::{
+    light::{Bits, CodeImage, Dither, LinearImage, Quantizer, Transfer, TransferTable, Transfers},
+    text::{Cell, Column, Table},
+};
 
 /// Largest side of an image, pixels.
 pub const MAX_SIZE: u32 = crate::light::halftone::MAX_PX;
@@ -46,6 +49,37 @@ impl Recipe {
         match &self.dither {
             Dither::None => self.stimulus.codes(self.size, quantizer),
             dither => quantizer.quantize_with(&self.linear(), &dither.with_seed(self.seed)),
+        }
+    }
+
+    /// Returns the luminance profile at the centers of the pixels, along a line through the center in the direction of the
+    /// orientation, dithered like a row of pixels. `quantizer` is as for [`Recipe::codes`].
+    pub fn profile(&self, quantizer: &Quantizer) -> Table {
+        const LIGHT: &str = "relative luminance, linear light";
+        let (stimulus, size) = (&self.stimulus, self.size);
+        let strongest = stimulus.strongest_channel();
+        let light = stimulus.profile(size);
+        let row = LinearImage::from_fn(size, 1, |i, _| light[i as usize]);
+        let codes = quantizer.quantize_with(&row, &self.dither.with_seed(self.seed));
+        let column = |name: &str, unit: &str, description: &str, cell: &dyn Fn(u32) -> Cell| Column {
+            cells: (0..size).map(cell).collect(),
+            ..Column::new(name, unit, description)
+        };
+        let code = |channel: usize, i: u32| codes.pixel(i, 0)[channel];
+        let emitted = |i| quantizer.channel(strongest).linear(code(strongest, i));
+        Table {
+            columns: vec![
+                column("x", "proportion of the stimulus window", "Distance from the center along the orientation.", &|i| {
+                    place(i, size).into()
+                }),
+                column("linear", LIGHT, "Requested light of the strongest channel.", &|i| {
+                    f64::from(light[i as usize][strongest]).into()
+                }),
+                column("code_r", "", "Code of red.", &|i| code(0, i).into()),
+                column("code_g", "", "Code of green.", &|i| code(1, i).into()),
+                column("code_b", "", "Code of blue.", &|i| code(2, i).into()),
+                column("emitted", LIGHT, "Light that the strongest channel's code emits.", &|i| emitted(i).into()),
+            ],
         }
     }
 }

@@ -3,10 +3,8 @@
 use serde::Serialize;
 
 use super::{
-    checks::{Sum, additivity, drift_percent},
-    fit::{ASSUMED_NOISE, Curve, Family, Fit, Sample, fit},
-    readings::Readings,
-    table::tables,
+    fit::{ASSUMED_NOISE, Curve, Family, Fit, Sample, fit, tables},
+    readings::{Readings, Sum, additivity, drift_percent},
 };
 use crate::{
     display::{
