@@ -186,6 +186,10 @@ fn errors_of_glb_files_say_what_is_expected() {
         ),
         (b"glTF\x02\0\0\0\x03\0\0\0".to_vec(), "its header is damaged; expected a GLB file"),
         (b"{}".to_vec(), "expected a glTF 2.0 file"),
+        (
+            set("/images/0", json!({ "uri": "data:image/webp;base64,UklGRg==" })),
+            "image 0 is neither a PNG nor a JPEG image; expected one of them",
+        ),
     ] {
         let message = message(&content);
         assert!(message.starts_with("it: ") && message.contains(words), "{words}: {message}");
@@ -266,6 +270,13 @@ fn every_kind_of_ply_file_gives_the_same_mesh() {
         let message = message(ascii.replace(from, to).as_bytes());
         assert!(message.contains(words) && message.contains("; expected"), "{words}: {message}");
     }
+    // Some programs write codes as real numbers, and the format lets faces come first.
+    let codes = parsed(ascii.replace("property uchar", "property float").as_bytes());
+    assert_eq!(codes.notes, ["colors above 1 are taken as codes of 8 bits"]);
+    assert_eq!(codes.mesh, parsed(ascii.as_bytes()).mesh);
+    let (vertices, faces) = ("element vertex 1\nproperty float x\n", "element face 1\nproperty list uchar int vertex_index\n");
+    let first = format!("ply\nformat ascii 1.0\n{faces}{vertices}end_header\n3 0 1 2\n0\n");
+    assert_eq!(message(first.as_bytes()), "it: face 0 comes before the vertices; expected them first");
     let binary = ply("binary_big_endian");
     let ended = message(&binary[..binary.len() - 3]);
     assert_eq!(ended, "it: ends within face 0 of 1; expected as many as its header says");
@@ -484,6 +495,9 @@ fn obj_vertices_may_have_colors_and_ply_files_strips() {
     let corners = parsed(obj).mesh.paint.unwrap().corners[0].map(|corner| corner.color);
     let half = Transfer::Srgb.linear_from_encoded(0.5);
     assert_eq!(corners, [DVec3::X, DVec3::ONE, DVec3::new(0.0, half, 0.0)]);
+    // Codes of 8 bits, and a vertex without a color.
+    let corners = parsed(b"v 0 0 0\nv 1 0 0 255 0 0\nv 0 1 0 0 0 0\nf 1 2 3\n").mesh.paint.unwrap().corners[0];
+    assert_eq!(corners.map(|corner| corner.color), [DVec3::ONE, DVec3::X, DVec3::ZERO]);
     assert!(message(b"v 0 0 0 1 0 red\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").contains("\"red\" is not a number"));
     let ply = "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\nelement tristrips 1\nproperty list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n2 0 0\n8 0 1 2 3 -1 1 4 3\n";
     let mesh = parsed(ply.as_bytes()).mesh;
