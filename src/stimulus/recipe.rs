@@ -69,9 +69,12 @@ impl Recipe {
         let emitted = |i| quantizer.channel(strongest).linear(code(strongest, i));
         Table {
             columns: vec![
-                column("x", "proportion of the stimulus window", "Distance from the center along the orientation.", &|i| {
-                    place(i, size).into()
-                }),
+                column(
+                    "x",
+                    "proportion of the stimulus window",
+                    "Distance from the center along the orientation.",
+                    &|i| place(i, size).into(),
+                ),
                 column("linear", LIGHT, "Requested light of the strongest channel.", &|i| {
                     f64::from(light[i as usize][strongest]).into()
                 }),

@@ -4,15 +4,10 @@ use base64::{Engine as _, prelude::BASE64_STANDARD};
 use glam::{DVec2, DVec3};
 use machband::{
     light::Transfer,
-    shading::{
-        Coat, Creases, EdgeKind, Frame, Mesh, Normals, Paint, PaintedCorner, Scene, Shade, Shader, Surface, Texture,
-        Wrap, coverage, image, shapes,
-    },
+    shading::{Creases, EdgeKind, Frame, Normals, Scene, Shade, Shader, Surface, Texture, Wrap, coverage, image},
     store::mesh::{self, MeshFile},
 };
 use serde_json::{Value, json};
-
-use super::apart;
 
 /// Two triangles over the square −1…1, in the plane z = 0.
 const PLACES: [[f32; 3]; 4] = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
@@ -274,7 +269,8 @@ fn every_kind_of_ply_file_gives_the_same_mesh() {
     let codes = parsed(ascii.replace("property uchar", "property float").as_bytes());
     assert_eq!(codes.notes, ["colors above 1 are taken as codes of 8 bits"]);
     assert_eq!(codes.mesh, parsed(ascii.as_bytes()).mesh);
-    let (vertices, faces) = ("element vertex 1\nproperty float x\n", "element face 1\nproperty list uchar int vertex_index\n");
+    let (vertices, faces) =
+        ("element vertex 1\nproperty float x\n", "element face 1\nproperty list uchar int vertex_index\n");
     let first = format!("ply\nformat ascii 1.0\n{faces}{vertices}end_header\n3 0 1 2\n0\n");
     assert_eq!(message(first.as_bytes()), "it: face 0 comes before the vertices; expected them first");
     let binary = ply("binary_big_endian");
@@ -317,39 +313,6 @@ fn mixed_winding_is_repaired() {
         assert!((volume - 1.0).abs() < 1e-12, "{reversed:?}: {volume}");
         whole.get_or_insert(found.mesh.vertices.len());
         assert_eq!(whole, Some(found.mesh.vertices.len()));
-    }
-}
-
-/// A torus with a color, a place on a texture and a normal map at every corner.
-pub fn painted_torus() -> Mesh {
-    let mesh = shapes::torus(28, 14, 0.0);
-    let corner = |v: &u32| {
-        let p = mesh.vertices[*v as usize].position;
-        let around = p.y.atan2(p.x) / std::f64::consts::TAU;
-        let place = DVec2::new(4.0 * around.abs(), 3.0 * p.z);
-        PaintedCorner { color: (p + 1.5) / 3.0, place, ..PaintedCorner::default() }
-    };
-    let texels = |of: fn(u32) -> [f32; 3]| {
-        Some(Texture { width: 8, height: 4, texels: (0..32).map(of).collect(), wrap: Default::default() }.into())
-    };
-    let coat = Coat {
-        base: texels(|i| [0.5 + 0.015 * i as f32, 1.0 - 0.01 * i as f32, 0.8]),
-        normals: texels(|i| [0.2 * (i % 3) as f32 - 0.2, 0.1 * (i % 5) as f32 - 0.2, 1.0]),
-    };
-    let corners = mesh.triangles.iter().map(|t| [0, 1, 2].map(|k| corner(&t[k]))).collect();
-    let of_triangles = vec![0; mesh.triangles.len()];
-    mesh.painted(Paint { corners, of_triangles, coats: vec![coat] })
-}
-
-#[test]
-fn paint_shows_under_every_shader() {
-    let surface = Surface::new(painted_torus());
-    for distance in [f64::INFINITY, 2.0] {
-        let frame = Scene { distance, specular: 0.3, ..Scene::default() }.frame(&surface, 160, 160);
-        for shade in [Shader::Gouraud, Shader::Patch, Shader::Phong, Shader::C1Phong].map(Shade::new) {
-            let plain = image(&frame.clone().unpainted(), &shade);
-            assert!(apart(&plain, &image(&frame, &shade)) > 0.1, "{shade:?} from {distance}");
-        }
     }
 }
 

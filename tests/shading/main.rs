@@ -11,8 +11,6 @@ mod patch;
 mod raster;
 mod scenes;
 mod shaders;
-#[path = "../../tools/src/slopes.rs"]
-mod slopes;
 mod truth;
 
 use std::collections::HashMap;

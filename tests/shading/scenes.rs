@@ -120,26 +120,6 @@ fn glass(mesh: Mesh, index: f64) -> Body {
     }
 }
 
-/// The index of a mesh is relative to what surrounds it: a ball of index 1 inside a ball of glass is invisible, one with
-/// the inverse index is a bubble of air, and a line of sight that leaves it is still in the glass.
-#[test]
-fn a_ball_of_glass_may_contain_other_balls() {
-    let at = |size: f64| {
-        let mut mesh = shapes::sphere(4);
-        mesh.vertices
-            .iter_mut()
-            .for_each(|vertex| vertex.position = vertex.position * size + DVec3::new(0.1, 0.05, 0.3));
-        mesh
-    };
-    let draw = |inner: &[f64]| {
-        let inner = inner.iter().map(|index| glass(at(0.3), *index));
-        scene([behind_glass(), glass(at(0.7), 1.5)].into_iter().chain(inner).collect()).image(4 * SIDE, 4 * SIDE)
-    };
-    let (alone, same, bubble) = (draw(&[]), draw(&[1.0]), draw(&[1.0 / 1.5]));
-    assert!(apart(&alone, &same) < 2e-3, "{}", apart(&alone, &same));
-    assert!(apart(&alone, &bubble) > 0.1, "{}", apart(&alone, &bubble));
-}
-
 /// Through a tilted slab of glass, a plane behind it is seen displaced by d = t·sin θ·(1 − cos θ/√(n² − sin² θ)).
 #[test]
 fn a_slab_of_glass_displaces_what_is_behind_it() {
@@ -252,7 +232,7 @@ fn scenes_are_read_and_their_errors_have_places() {
 }
 
 /// Where media touch, light passes as if there were no boundary: two halves are one block, and a medium inside one of the
-/// inverse index is none.
+/// inverse index is none, because an index is relative to what surrounds it.
 #[test]
 fn media_that_touch_have_no_gap_between_them() {
     let block = |left: f64, right: f64| {

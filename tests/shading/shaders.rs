@@ -215,30 +215,15 @@ fn quadratic_passes_through_vertices_and_midpoints() {
 /// Makes a frame with slivers, triangles without area, a fin, borders, vertices at the same position, and a triangle
 /// that faces away.
 fn ugly() -> Frame {
+    // In 256ths of a pixel.
     let places = [
-        20.0,
-        20.0,
-        20.0,
-        180.0,
-        100.0,
-        100.0,
-        180.0,
-        20.0,
-        180.0,
-        180.0,
-        20.0,
-        19.996_093_75,
-        100.003_906_25,
-        100.0,
-        100.0,
-        100.0,
-        150.0,
-        150.0,
+        5120, 5120, 5120, 46_080, 25_600, 25_600, 46_080, 5120, 46_080, 46_080, 5120, 5119, 25_601, 25_600, 25_600,
+        25_600, 38_400, 38_400,
     ];
     let vertices = places.chunks_exact(2).enumerate().map(|(i, at)| FrameVertex {
         depth: 0.1 * i as f64,
         normal: if i == 4 { DVec3::NEG_Z } else { DVec3::new((i as f64).sin(), 0.3, 0.6).normalize() },
-        ..vertex(DVec2::new(at[0], at[1]), DVec3::splat(i as f64 / 8.0))
+        ..vertex(DVec2::new(at[0].into(), at[1].into()) / 256.0, DVec3::splat(i as f64 / 8.0))
     });
     let triangles = [0, 1, 2, 2, 1, 4, 3, 2, 4, 0, 2, 3, 5, 0, 3, 0, 2, 6, 2, 7, 6, 2, 7, 2, 1, 4, 8, 2, 1, 8, 3, 1, 0];
     let triangles: Vec<[u32; 3]> = triangles.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();

@@ -4,8 +4,8 @@
 pub mod numbers;
 
 pub use numbers::{
-    Shown, count, either, fixed, list, mean, p_is, percent, probability, range, ratio, short_list, significant, times, unit,
-    whole, with_interval,
+    Shown, count, either, fixed, list, mean, p_is, percent, probability, range, ratio, short_list, significant, times,
+    unit, whole, with_interval,
 };
 
 use crate::{report::figures::Figure, store::FileError};

@@ -3,8 +3,8 @@
 use super::{
     axes::{EDGE, MARKER, PANEL, Values, below, beside, legend, number_axis, told},
     labels::{TEXT, some_of},
-    ratings::{Line, draw},
     palette::Series,
+    ratings::{Line, draw},
     svg::{Figure, WIDTH},
 };
 use crate::{
