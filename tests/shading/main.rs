@@ -7,8 +7,6 @@ mod files;
 mod illumination;
 mod kit;
 mod meshes;
-mod patch;
-mod raster;
 mod scenes;
 mod shaders;
 mod truth;
