@@ -1,11 +1,11 @@
 //! A stimulus and everything that determines how its light is turned into codes. An image file contains its recipe, so
 //! its bytes can be verified by rendering it again.
 
-use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
+use serde::{Deserialize, Serialize};
 
 use super::{catalog::Stimulus, drawing::place};
 use crate::{
-    light::{Bits, CodeImage, Dither, LinearImage, Quantizer, Transfer, TransferTable, Transfers},
+    light::{Bits, CodeImage, Dither, LinearImage, Quantizer, Transfers},
     text::{Cell, Column, Table},
 };
 
@@ -20,7 +20,7 @@ pub struct Recipe {
     /// Side of the square image in pixels, 1…[`MAX_SIZE`].
     pub size: u32,
     /// The display's transfer functions.
-    #[serde(rename = "transfer", serialize_with = "write_transfers", deserialize_with = "read_transfers")]
+    #[serde(rename = "transfer")]
     pub transfers: Transfers,
     /// Bits per channel.
     pub bits: Bits,
@@ -85,51 +85,4 @@ impl Recipe {
             ],
         }
     }
-}
-
-/// Transfer functions as a file stores them: a string, the points of a table, or, if the channels differ, one of these
-/// for each channel.
-#[derive(Serialize, Deserialize)]
-#[serde(untagged)]
-enum TransferForm {
-    Text(String),
-    Table { encoded: Vec<f64>, linear: Vec<f64> },
-    Each([Box<TransferForm>; 3]),
-}
-
-impl TransferForm {
-    fn of(transfer: &Transfer) -> Self {
-        match transfer {
-            Transfer::Table(table) => {
-                Self::Table { encoded: table.encoded().to_vec(), linear: table.linear().to_vec() }
-            }
-            other => Self::Text(other.to_string()),
-        }
-    }
-
-    fn transfers(self) -> Result<Transfers, String> {
-        match self {
-            Self::Text(text) => text.parse::<Transfer>().map(Transfers::from),
-            Self::Table { encoded, linear } => {
-                TransferTable::new(encoded, linear).map(|table| Transfer::Table(table).into())
-            }
-            Self::Each(channels) => {
-                let [red, green, blue] = channels.map(|channel| channel.transfers());
-                let first = |transfers: Transfers| transfers.channels()[0].clone();
-                Ok(Transfers::new([first(red?), first(green?), first(blue?)]))
-            }
-        }
-    }
-}
-
-fn write_transfers<S: Serializer>(transfers: &Transfers, serializer: S) -> Result<S::Ok, S::Error> {
-    let form = match transfers.uniform() {
-        Some(transfer) => TransferForm::of(transfer),
-        None => TransferForm::Each(transfers.channels().each_ref().map(|channel| Box::new(TransferForm::of(channel)))),
-    };
-    form.serialize(serializer)
-}
-
-fn read_transfers<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Transfers, D::Error> {
-    TransferForm::deserialize(deserializer)?.transfers().map_err(D::Error::custom)
 }

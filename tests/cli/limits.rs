@@ -225,7 +225,7 @@ fn cases() -> Vec<Case> {
     let runs = definition("width = [0.1, 0.2]", "order = \"random\"\nmax_run = 1");
     let keys: String = (0..many).map(|i| format!("k{i} = [1]\n")).collect();
     let curve = list(40_001, |i| i as f64 / 40_000.0);
-    let profile = "schema = 1\nname = \"x\"\ntransfer = \"table\"";
+    let profile = "schema = 1\nname = \"x\"";
     let [a, b] = ["a", "b"].map(|letter| letter.repeat(500_000));
     vec![
         case("levels.csv", &ratings(2 * many, 2, 1, many, 4), "ANALYZE => the number of levels of f0 is | COUNTS"),
@@ -275,7 +275,7 @@ fn cases() -> Vec<Case> {
         case("number.toml", &definition(&format!("width = [{}]", "9".repeat(500_000)), ""), "check {} => width"),
         case(
             "profile.toml",
-            &format!("{profile}\nencoded = [{curve}]\nlinear = [{curve}]\n"),
+            &format!("{profile}\ntransfer = {{ encoded = [{curve}], linear = [{curve}] }}\n"),
             "check {} => * | predict --display {} => *",
         ),
         case(
