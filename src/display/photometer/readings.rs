@@ -301,41 +301,24 @@ fn order_errors(readings: &Readings) -> Vec<ReadingsError> {
     vec![(ErrorLocation::All, message)]
 }
 
-/// Gray at one level, compared with the sum of its channels.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sum {
-    /// Encoded value, 0…1.
-    pub level: f64,
-    /// The reading of gray, cd/m².
-    pub gray_cd_m2: f64,
-    /// Red + green + blue − 2·black, cd/m².
-    pub sum_cd_m2: f64,
-}
-
-impl Sum {
-    /// Gray minus the sum, in percent of gray.
-    pub fn deviation_percent(&self) -> f64 {
-        100.0 * (self.gray_cd_m2 - self.sum_cd_m2) / self.gray_cd_m2
-    }
-}
-
-/// Compares gray with the sum of its channels at every level above 0 at which all four were read, from dark to light.
-pub fn additivity(readings: &Readings) -> Vec<Sum> {
+/// Returns the difference of gray from red + green + blue − 2·black, in percent of gray, at every level above 0 at which all
+/// four were read, from dark to light.
+pub fn additivity(readings: &Readings) -> Vec<f64> {
     let [red, green, blue, gray] = Channel::ALL.map(|channel| readings.means(channel));
     let black = readings.black_cd_m2();
-    let sum = |gray: &LevelMean| {
+    let percent = |gray: &LevelMean| {
         let at = |means: &[LevelMean]| {
             means.iter().find(|mean| is_same_level(mean.level, gray.level)).map(|mean| mean.luminance_cd_m2)
         };
         let sum_cd_m2 = at(&red)? + at(&green)? + at(&blue)? - 2.0 * black;
-        Some(Sum { level: gray.level, gray_cd_m2: gray.luminance_cd_m2, sum_cd_m2 })
+        Some(100.0 * (gray.luminance_cd_m2 - sum_cd_m2) / gray.luminance_cd_m2)
     };
-    gray.iter().filter(|gray| gray.level > 0.0 && gray.luminance_cd_m2 > 0.0).filter_map(sum).collect()
+    gray.iter().filter(|gray| gray.level > 0.0 && gray.luminance_cd_m2 > 0.0).filter_map(percent).collect()
 }
 
-/// Returns the deviation farthest from 0, in percent of gray; 0 if `sums` is empty.
-pub fn largest_percent(sums: &[Sum]) -> f64 {
-    sums.iter().map(Sum::deviation_percent).max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(0.0)
+/// Returns the number farthest from 0; 0 if there is none.
+pub fn largest_percent(percents: &[f64]) -> f64 {
+    percents.iter().copied().max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(0.0)
 }
 
 /// Returns the change of white over the measurement in percent of its mean, from a straight line fitted to all readings

@@ -154,14 +154,8 @@ named! {
         Given = "given",
         /// The mean of the unit normals of the faces around each vertex, Shoaff §4.1. Triangles in one plane count once.
         Averaged = "averaged",
-        /// The mean in which a triangle's normal has the weight sin α / (|a||b|), where a and b are its sides at the
-        /// vertex and α is the angle between them: exact for every mesh inscribed in a sphere. N. Max, J. Graphics
-        /// Tools 4 (1999) 2.
-        Max = "max",
-        /// The slope of a cubic fitted to the neighbors' positions and normals.
-        Cubic = "cubic",
-        /// Between the mean in which a triangle's normal has its area as its weight and the cubic's slope, which counts as
-        /// far as the cubic fits the neighbors. The default for meshes without normals.
+        /// Between the mean in which a triangle's normal has its area as its weight, and the slope of a cubic that is fitted
+        /// to the neighbors' positions and normals, which counts as far as it fits. The default for meshes without normals.
         Best = "best",
     }
 }
@@ -183,27 +177,21 @@ impl Mesh {
         }
         let means = match normals {
             Normals::Averaged => self.means_of_planes(),
-            Normals::Best => self.means(|a, b| a.cross(b).normalize_or_zero() * a.cross(b).length().atan2(a.dot(b))),
-            // |a × b| = |a||b| sin α.
-            _ => self.means(|a, b| a.cross(b) / (a.length_squared() * b.length_squared())),
+            _ => self.means(|a, b| a.cross(b).normalize_or_zero() * a.cross(b).length().atan2(a.dot(b))),
         };
         for (vertex, mean) in self.vertices.iter_mut().zip(means) {
             vertex.normal = mean.normalize_or(vertex.normal);
         }
-        if !matches!(normals, Normals::Cubic | Normals::Best) {
+        if normals == Normals::Averaged {
             return self;
         }
         let rings = cubic::around(self.vertices.len(), self.triangles.iter().map(|corners| (*corners, *corners)));
-        let areas = (normals == Normals::Best).then(|| self.means(DVec3::cross));
+        let areas = self.means(DVec3::cross);
         for _ in 0..PASSES {
             let fits: Vec<Option<(DVec3, f64)>> =
                 rings.par_iter().enumerate().map(|(v, ring)| self.fitted(v, ring)).collect();
-            for (v, (vertex, fit)) in self.vertices.iter_mut().zip(fits).enumerate() {
-                let Some(areas) = &areas else {
-                    vertex.normal = fit.map_or(vertex.normal, |(normal, _)| normal);
-                    continue;
-                };
-                let mean = areas[v].normalize_or(vertex.normal);
+            for ((vertex, fit), area) in self.vertices.iter_mut().zip(fits).zip(&areas) {
+                let mean = area.normalize_or(vertex.normal);
                 let (cubic, share) = fit
                     .map_or((mean, 0.0), |(normal, missed)| (normal, TOLERANCE.powi(2) / (TOLERANCE.powi(2) + missed)));
                 vertex.normal = (share * cubic + (1.0 - share) * mean).normalize_or(mean);
