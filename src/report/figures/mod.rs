@@ -15,7 +15,7 @@ use rayon::prelude::*;
 
 use crate::analysis::Results;
 
-pub use display::{calibration, intervals, stimulus};
+pub use display::{calibration, calibration_tables, intervals, stimulus};
 pub use ratings::predicted;
 pub use svg::{Figure, Pixels, Plotted};
 
