@@ -46,9 +46,8 @@ pub struct OneMesh {
     /// Angle in degrees above which the edge between two faces of a file without normals is a crease.
     #[arg(long, value_name = "DEG", default_value_t = 180.0, value_parser = within(0.0, 180.0))]
     pub crease: f64,
-    /// Normals at the vertices: the mesh's own, or estimated from its triangles as the mean over the faces, as Max's
-    /// weighted mean (1999), from a cubic fitted to the neighbors, or as the best between a mean and the cubic, which is
-    /// also what a mesh without normals gets.
+    /// Normals at the vertices: the mesh's own, or estimated from its triangles as the mean over the faces, or as the best
+    /// between a mean and a cubic that is fitted to the neighbors, which is also what a mesh without normals gets.
     #[arg(long, default_value = "given", value_parser = one_of::<Normals>(Normals::NAMES))]
     pub normals: Normals,
     /// Shader: how the light inside each triangle is computed.
