@@ -332,7 +332,9 @@ impl Form {
 
     fn transfers(self) -> Result<Transfers, String> {
         match self {
-            Self::Text(text) => text.parse().map_err(|error| format!("{error} (or a table with encoded and linear)")),
+            Self::Text(text) => {
+                text.parse::<Transfers>().map_err(|error| format!("{error} (or a table with encoded and linear)"))
+            }
             Self::Table { encoded, linear } => TransferTable::new(encoded, linear).map(|it| Transfer::Table(it).into()),
             Self::Each(channels) => {
                 let one = |form: Box<Form>| {

@@ -82,7 +82,7 @@ struct Smooth {
     picture: LinearImage,
     /// Where light is compared; see [`Truth::mask`].
     mask: Vec<bool>,
-    /// Where a difference is visible as one; see [`Truth::common`].
+    /// Where a difference is visible as one; see [`Truth::mask`].
     common: Vec<bool>,
     /// See [`Truth::apart`].
     apart: f64,
