@@ -1,6 +1,6 @@
 // The cost of the package for three.js in Chromium with SwiftShader, in one page whose draws alternate: C1 normals over the
 // material alone, with medians of frames that the page waits for; and, for 100,352 triangles, the time of JavaScript for
-// preparing them and for a frame in which they turn. `npm ci && npm run copy` in shaders/three, then
+// preparing them and for a frame in which they turn. `npm install && npm run copy` in shaders/three, then
 // `node benches/kit_three.mjs [rounds]`; CHROMIUM is the browser.
 
 import { open } from "../shaders/three/page.mjs";

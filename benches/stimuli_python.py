@@ -3,6 +3,8 @@
 one process per core.
 
 Usage: python3 benches/stimuli_python.py OUT_FOLDER [COUNT]     (pip install numpy pillow)
+
+Also writes OUT_FOLDER/stimuli.toml, the definition of the same images: machband stimuli OUT_FOLDER/stimuli.toml --out FOLDER
 """
 import itertools
 import math
@@ -14,6 +16,19 @@ import numpy as np
 from PIL import Image
 
 SIZE = 1024
+WIDTHS = [0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.6, 0.8]
+ORIENTATIONS = [*range(0, 360, 15), 359]
+DEFINITION = f"""schema = 1
+name = "stimuli"
+
+[stimulus]
+kind = "mach-band"
+
+[factors]
+width = {WIDTHS}
+depth = [1, 2, 3, 4, "inf"]
+orientation_deg = {ORIENTATIONS}
+"""
 
 
 def interpolation(depth, u):
@@ -42,7 +57,9 @@ def make(job):
 def main():
     folder, count = sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 1000
     os.makedirs(folder, exist_ok=True)
-    cells = itertools.product([0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.6, 0.8], [1, 2, 3, 4, 0], range(0, 375, 15))
+    with open(os.path.join(folder, "stimuli.toml"), "w") as file:
+        file.write(DEFINITION)
+    cells = itertools.product(WIDTHS, [1, 2, 3, 4, 0], ORIENTATIONS)
     jobs = [(i, w, n, t, folder) for i, (w, n, t) in enumerate(itertools.islice(cells, count))]
     with Pool(os.cpu_count()) as pool:
         pool.map(make, jobs, chunksize=8)

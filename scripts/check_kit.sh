@@ -22,7 +22,7 @@ entry vert coefficients everywhere
 for name in slopes_texel coefficients_texel; do entry frag coefficients "$name"; done
 
 cd three
-npm ci --no-audit --no-fund
+npm install --no-audit --no-fund --no-package-lock
 programs=${PROGRAMS:-target/debug}
 [[ $programs = /* ]] || programs=$(cd ../.. && pwd)/$programs
 export MACHBAND=$programs/machband

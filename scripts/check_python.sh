@@ -21,5 +21,13 @@ MACHBAND_REQUIRE_PSYCHOPY=1 MACHBAND_REQUIRE_NBCLIENT=1 xvfb-run -a -s '-screen 
 cd "$work"
 config=$OLDPWD/../pyproject.toml
 "$python" -m mypy -p machband --config-file "$config"
-xvfb-run -a "$python" -m mypy.stubtest machband --mypy-config-file "$config" --ignore-disjoint-bases \
-    --allowlist "$OLDPWD/stubtest.txt"
+# What stubtest cannot compare: aliases of literals; the accessors that PsychoPy adds to its classes; and the list of what
+# the extension module exports, which nobody imports with a star.
+cat >allowed.txt <<'END'
+machband\._common\.Dither
+machband\.psychopy\.MachBandStim\..*
+machband\._stimulus\.Kind
+machband\.stimuli\.(Shader|Shape)
+machband\._machband\.__all__
+END
+xvfb-run -a "$python" -m mypy.stubtest machband --mypy-config-file "$config" --ignore-disjoint-bases --allowlist allowed.txt

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Reproduces the paper's Figures 8-12 as docs/figures/figure{8,9,10,11,12}.png, shades the same meshes with our own
-# shaders (figure-ours.png), and shows five meshes next to the smooth surface (figure-truth.png). docs/shaders.md
-# discusses them. glass.png is the scene of docs/shading.md.
+# Reproduces the paper's Figures 8-12 and shades the same meshes with our own shaders (docs/figures/paper.png), and shows
+# five meshes next to the smooth surface (truth.png). docs/shaders.md discusses them. glass.png is the scene of
+# docs/shading.md.
 #
 #   scripts/figures.sh                             # with target/release/machband
 #   MACHBAND=target/debug/machband scripts/figures.sh
@@ -31,14 +31,22 @@ panel() {
         -annotate +0+4 "$label" "$work/$figure-$(printf '%02d' "${#panels[@]}").png"
     panels+=("$work/$figure-$(printf '%02d' "${#panels[@]}").png")
 }
-# sheet FIGURE [COLUMNS]: arranges the panels so far, three per row unless COLUMNS says otherwise.
+# sheet TITLE [COLUMNS]: arranges the panels so far below a title, three per row unless COLUMNS says otherwise.
 sheet() {
     montage "${panels[@]}" -tile "${2:-3}x" -geometry +4+4 -background white "$work/sheet.png"
-    convert "$work/sheet.png" -strip -define png:exclude-chunks=date,time,tIME -define png:compression-level=9 \
-        "PNG24:$figures/$1.png"
+    convert "$work/sheet.png" -background white -gravity northwest -splice 0x30 -pointsize 20 -fill black \
+        -annotate +8+4 "$1" "$work/sheet-$(printf '%02d' "${#sheets[@]}").png"
+    sheets+=("$work/sheet-$(printf '%02d' "${#sheets[@]}").png")
     panels=()
 }
-panels=()
+# saved NAME FILE…: writes sheets below each other into one file.
+saved() {
+    local name=$1
+    shift
+    convert "$@" -background white -append -strip -define png:exclude-chunks=date,time,tIME \
+        -define png:compression-level=9 "PNG24:$figures/$name.png"
+}
+panels=() sheets=()
 cube=(--mesh cube --rotate 25,-35,0)
 
 panel figure8 '(a) flat' "${cube[@]}" --shader flat
@@ -48,7 +56,7 @@ for letter_n_b in 'd 3 0.05' 'e 3 0.2' 'f 3 0.33' 'g 5 0.05' 'h 5 0.2' 'i 5 0.33
     read -r letter n b <<<"$letter_n_b"
     panel figure8 "($letter) fixed ($n, $b)" "${cube[@]}" --shader fixed --depth "$n" --boundary "$b"
 done
-sheet figure8
+sheet 'Figure 8'
 
 for figure in '9 vertex' '10 reweight'; do
     read -r number correction <<<"$figure"
@@ -58,7 +66,7 @@ for figure in '9 vertex' '10 reweight'; do
                 "--$correction" "$how"
         done
     done
-    sheet "figure$number"
+    sheet "Figure $number"
 done
 
 for figure in '11 313' '12 771'; do
@@ -70,7 +78,7 @@ for figure in '11 313' '12 771'; do
     panel "figure$number" '(d) reweight (3, 0.33)' "${blob[@]}" --shader fixed --depth 3 --boundary 0.33 --reweight printed
     panel "figure$number" 'Gouraud' "${blob[@]}" --shader gouraud
     panel "figure$number" 'patch' "${blob[@]}" --shader patch
-    sheet "figure$number"
+    sheet "Figure $number"
 done
 
 for mesh in cube blob; do
@@ -80,7 +88,8 @@ for mesh in cube blob; do
     panel ours 'quadratic' "${turned[@]}" --shader quadratic
     panel ours 'Phong' "${turned[@]}" --shader phong
 done
-sheet figure-ours 4
+sheet 'The other shaders' 4
+saved paper "${sheets[@]}"
 
 # Before, after and truth: what the mesh approximates.
 while IFS='|' read -r name options; do
@@ -96,9 +105,10 @@ terminator|--mesh torus --vertices 200 --specular 0 --light 0.9,0.4,-0.2
 filleted cylinder|--mesh filleted-cylinder --vertices 194 --specular 0.3 --rotate 60,-35,0
 terrain|--mesh terrain --vertices 289 --specular 0.3 --light 0.5,0.5,0.7 --rotate -35,10,20
 END
-sheet figure-truth 4
+montage "${panels[@]}" -tile 4x -geometry +4+4 -background white "$work/truth.png"
+saved truth "$work/truth.png"
 
 "$machband" shade examples/scenes/glass.toml --size 480 --force --out "$work/glass.png"
-convert "$work/glass.png" -strip -define png:exclude-chunks=date,time,tIME "PNG24:$figures/glass.png"
+saved glass "$work/glass.png"
 
-echo "$figures: figure8.png, figure9.png, figure10.png, figure11.png, figure12.png, figure-ours.png, figure-truth.png, glass.png"
+echo "$figures: paper.png, truth.png, glass.png"

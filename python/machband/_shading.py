@@ -94,7 +94,7 @@ def _rows(name: str, given: npt.ArrayLike) -> npt.NDArray[np.float64]:
 def shade(
     vertices: npt.ArrayLike | Mesh | Shape | str | PathLike[str] = "blob",
     triangles: npt.ArrayLike | None = None,
-    normals: npt.ArrayLike | Literal["given", "averaged", "max", "cubic", "best"] | None = None,
+    normals: npt.ArrayLike | Literal["given", "averaged", "best"] | None = None,
     *,
     crease: float = 180,
     depth: float | str = 1,
@@ -139,8 +139,8 @@ def shade(
         Indices of the corners, shape (m, 3), counterclockwise as seen from outside.
     normals
         Normals at the vertices, shape (n, 3), of any length above 0. Or how to estimate them from the triangles:
-        ``averaged``, ``max`` (Max 1999), ``cubic``, or ``best`` of a mean and the cubic, the default for vertices without
-        normals; ``given`` takes those of a file.
+        ``averaged``, or ``best``, between a mean and the slope of a cubic that is fitted to the neighbors, the default for
+        vertices without normals; ``given`` takes those of a file.
     crease
         Angle in degrees above which the edge between two faces of a file without normals is a crease.
     depth

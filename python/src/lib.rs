@@ -6,7 +6,6 @@
 mod definition;
 mod job;
 mod light;
-mod mesh;
 mod study;
 mod table;
 mod vision;
@@ -92,9 +91,10 @@ mod _machband {
     use super::{
         DataError, Error,
         definition::{Definition, simulate},
-        light::{encode, interpolate, kinds, light, parameters, profile, save_stimulus, stimulus, visual_angle},
+        light::{
+            encode, interpolate, kinds, light, mesh, parameters, profile, save_stimulus, shade, stimulus, visual_angle,
+        },
         main,
-        mesh::{mesh, shade},
         study::{Analysis, analyze, export, read_results, verify, write_analysis},
         vision::{compare, predict, steps},
     };

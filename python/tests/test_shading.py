@@ -50,8 +50,8 @@ def test_truth_and_estimated_normals():
     assert np.abs(smooth.image.astype(int) - drawn.image).mean() < 1
     mesh = machband.mesh("blob")
     plain = machband.shade(mesh.vertices, mesh.triangles, size=128).metrics
-    cubic = machband.shade(mesh.vertices, mesh.triangles, "cubic", size=128).metrics
-    assert plain["normals"] == "averaged" and cubic["normals"] == "cubic" and plain["vertices"] == 313
+    best = machband.shade(mesh.vertices, mesh.triangles, "best", size=128).metrics
+    assert plain["normals"] == "averaged" and best["normals"] == "best" and plain["vertices"] == 313
 
 
 def test_a_scene_of_several_meshes(command, image, tmp_path):
@@ -90,7 +90,7 @@ def test_a_repaired_mesh_is_a_warning():
         ((*TRIANGLE, [[0, 0, 1], [0, 0, 0], [0, 0, 1]]), {}, machband.Error, "normal 1 is zero"),
         ((*TRIANGLE, np.full((3, 3), np.nan)), {}, machband.Error, "normal 0 is zero or not finite"),
         (TRIANGLE, {"normals": "given"}, TypeError, "for files; expected an array"),
-        (TRIANGLE, {"normals": "mean"}, machband.Error, "given, averaged, max, cubic, best"),
+        (TRIANGLE, {"normals": "mean"}, machband.Error, "given, averaged, best"),
         (TRIANGLE, {"n_vertices": 9}, TypeError, "n_vertices for arrays"),
         ((TRIANGLE[0],), {}, TypeError, "without triangles"),
         (TRIANGLE, {"shader": "gourad"}, machband.Error, "gouraud"),

@@ -1,5 +1,5 @@
-// Writes what the package needs from the folders above: ordinates.js, the licenses, and parts of ../glsl_es as strings in
-// glsl.js, because a package has no files beside it. npm runs it before it packs or tests.
+// Writes what the package needs from the folders above: ordinates.js, the README, the licenses, and parts of ../glsl_es as
+// strings in glsl.js, because a package has no files beside it. npm runs it before it packs or tests.
 
 import { copyFileSync, readFileSync, writeFileSync } from "node:fs";
 
@@ -12,5 +12,5 @@ const parts = { slopes: pass("slopes_texel"), coefficients: pass("coefficients_t
 const text = Object.entries(parts).map(([name, part]) => `export const ${name} = \`\n${part}\n\`;\n`);
 const own = (name) => new URL(name, import.meta.url);
 writeFileSync(own("glsl.js"), text.join("\n"));
-copyFileSync(own("../ordinates.js"), own("ordinates.js"));
-for (const name of ["LICENSE-MIT", "LICENSE-APACHE"]) copyFileSync(own(`../${name}`), own(name));
+for (const name of ["ordinates.js", "README.md"]) copyFileSync(own(`../${name}`), own(name));
+for (const name of ["LICENSE-MIT", "LICENSE-APACHE"]) copyFileSync(own(`../../${name}`), own(name));

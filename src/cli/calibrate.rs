@@ -3,7 +3,7 @@
 use super::{OutPath, columns, message, print_line};
 use crate::{
     display::photometer::largest_percent,
-    report::{calibration::tables, document::TextTable},
+    report::{document::TextTable, figures::calibration_tables},
     store::{Writer, profile},
     system::found,
     work::{
@@ -52,7 +52,7 @@ fn print(request: &Calibrate, made: &Calibrated) -> anyhow::Result<()> {
     ))?;
     print_line(&format!("black {:.4} cd/m², white {:.2} cd/m²", light.black_cd_m2, light.white_cd_m2))?;
     print_line("")?;
-    let [fits, validation] = tables(calibration);
+    let [fits, validation] = calibration_tables(calibration);
     print_table(&fits)?;
     print_line("")?;
     print_line(&validation.caption)?;

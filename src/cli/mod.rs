@@ -7,14 +7,13 @@ mod analyze;
 mod bar;
 mod calibrate;
 mod compare;
+mod images;
 mod outputs;
 mod plan;
 mod predict;
 #[cfg(feature = "window")]
 mod run;
 mod sessions;
-mod shade;
-mod stimulus;
 
 use std::{borrow::Cow, ffi::OsString, io::Write as _, path::Path, process::ExitCode};
 
@@ -65,9 +64,9 @@ enum Command {
     Counts(analyze::CountsArguments),
     Export(work::Export),
     Repair(work::Repair),
-    Shade(shade::Arguments),
-    Stimulus(stimulus::StimulusArguments),
-    Stimuli(stimulus::StimuliArguments),
+    Shade(images::ShadeArguments),
+    Stimulus(images::StimulusArguments),
+    Stimuli(images::StimuliArguments),
     Verify(work::verify::Verify),
 }
 
@@ -145,9 +144,9 @@ fn run(arguments: Arguments, writer: &Writer) -> anyhow::Result<bool> {
         Some(Command::Counts(arguments)) => analyze::counts(&arguments, writer),
         Some(Command::Export(arguments)) => sessions::export(&arguments),
         Some(Command::Repair(arguments)) => sessions::repair(&arguments),
-        Some(Command::Shade(arguments)) => shade::run(&arguments, writer),
-        Some(Command::Stimulus(arguments)) => stimulus::stimulus(&arguments, writer),
-        Some(Command::Stimuli(arguments)) => stimulus::stimuli(&arguments, writer),
+        Some(Command::Shade(arguments)) => images::shade(&arguments, writer),
+        Some(Command::Stimulus(arguments)) => images::stimulus(&arguments, writer),
+        Some(Command::Stimuli(arguments)) => images::stimuli(&arguments, writer),
         Some(Command::Verify(arguments)) => sessions::verify(&arguments),
     };
     done.map(|()| true)

@@ -6,7 +6,6 @@ pub mod geometry;
 pub mod matching;
 pub mod photometer;
 pub mod profile;
-pub mod steps;
 
 pub use channel::Channel;
 pub use geometry::{Monitor, Screen, Viewing};

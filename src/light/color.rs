@@ -48,12 +48,6 @@ pub fn xyz_from_xyy([x, y, luminance]: [f64; 3]) -> [f64; 3] {
     [x * total, luminance, (1.0 - x - y) * total]
 }
 
-/// Returns the chromaticity x, y and the luminance Y. Black has no chromaticity: its x and y are NaN. Shoaff §2.2.3.
-pub fn xyy_from_xyz([x, y, z]: [f64; 3]) -> [f64; 3] {
-    let total = x + y + z;
-    [x / total, y / total, y]
-}
-
 /// δ of CIE 15:2004: the cube root becomes a straight line below δ³ = (6/29)³.
 const LAB_DELTA: f64 = 6.0 / 29.0;
 

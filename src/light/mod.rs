@@ -13,15 +13,13 @@ pub mod dither;
 pub mod halftone;
 pub mod image;
 pub mod interpolation;
-pub mod levels;
 pub mod palette;
 pub mod quantize;
 pub mod transfer;
 
 pub use dither::{Dither, DitherMatrix, DitherMatrixError, Thresholds};
 pub use halftone::Halftone;
-pub use image::{CodeImage, LinearImage, Samples};
+pub use image::{CodeImage, Levels, LinearImage, Samples, reaches};
 pub use interpolation::{Depth, DepthError, Interpolation};
-pub use levels::{Levels, reaches};
 pub use quantize::{Bits, ChannelQuantizer, Quantizer};
 pub use transfer::{Gog, Transfer, TransferTable, Transfers};

@@ -5,6 +5,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
+
 /// IEC 61966-2-1: the encoded value up to which sRGB is a straight line.
 const SRGB_ENCODED_KNEE: f64 = 0.04045;
 /// IEC 61966-2-1: the slope of the straight line, encoded value per linear value.
@@ -301,6 +303,64 @@ impl FromStr for Transfers {
                 parts.len()
             )),
         }
+    }
+}
+
+/// Transfer functions as files store them: as text, as the points of a table, or, if the channels differ, as one of these
+/// for each of red, green and blue.
+#[derive(Serialize, Deserialize)]
+#[serde(
+    untagged,
+    deny_unknown_fields,
+    expecting = "transfer is neither text nor a table with encoded and linear; expected one of these, or a list of three"
+)]
+enum Form {
+    Text(String),
+    Table { encoded: Vec<f64>, linear: Vec<f64> },
+    Each([Box<Form>; 3]),
+}
+
+impl Form {
+    fn of(transfer: &Transfer) -> Self {
+        match transfer {
+            Transfer::Table(TransferTable { encoded, linear }) => {
+                Self::Table { encoded: encoded.clone(), linear: linear.clone() }
+            }
+            other => Self::Text(other.to_string()),
+        }
+    }
+
+    fn transfers(self) -> Result<Transfers, String> {
+        match self {
+            Self::Text(text) => {
+                text.parse::<Transfers>().map_err(|error| format!("{error} (or a table with encoded and linear)"))
+            }
+            Self::Table { encoded, linear } => TransferTable::new(encoded, linear).map(|it| Transfer::Table(it).into()),
+            Self::Each(channels) => {
+                let one = |form: Box<Form>| {
+                    let transfers = form.transfers()?;
+                    transfers
+                        .uniform()
+                        .cloned()
+                        .ok_or("a channel has three transfer functions; expected one".to_owned())
+                };
+                let [red, green, blue] = channels.map(one);
+                Ok(Transfers([red?, green?, blue?]))
+            }
+        }
+    }
+}
+
+impl Serialize for Transfers {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let form = self.uniform().map(Form::of);
+        form.unwrap_or_else(|| Form::Each(self.0.each_ref().map(|own| Box::new(Form::of(own))))).serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Transfers {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Form::deserialize(deserializer)?.transfers().map_err(D::Error::custom)
     }
 }
 

@@ -3,9 +3,8 @@
 //! [`Study`] contains what was read, and [`analyze`](crate::analysis::analyze) computes its results. [`study`] turns
 //! the results into blocks of a [`document`](mod@document), with sentences and [`figures`], and [`skins`] display the
 //! document. [`tables`] contain the results as CSV and JSON, and [`terminal`] prints lines. [`write_files`] writes
-//! everything into a folder. [`calibration`] has the tables of a display.
+//! everything into a folder.
 
-pub mod calibration;
 pub mod document;
 pub mod figures;
 pub(crate) mod names;

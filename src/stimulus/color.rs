@@ -3,11 +3,16 @@
 use std::fmt;
 use std::str::FromStr;
 
-use crate::light::color::{
-    cmy_from_rgb, hsv_from_rgb, hue, rgb_from_cmyk, rgb_from_hls, rgb_from_hsv, rgb_from_xyz, wrapped_deg,
-    xyy_from_xyz, xyz_from_lab, xyz_from_luv, xyz_from_rgb, xyz_from_xyy,
+use crate::{
+    light::{
+        Transfer,
+        color::{
+            cmy_from_rgb, rgb_from_cmyk, rgb_from_hls, rgb_from_hsv, rgb_from_xyz, xyz_from_lab, xyz_from_luv,
+            xyz_from_xyy,
+        },
+    },
+    text::names::serde_as_text,
 };
-use crate::{light::Transfer, text::names::serde_as_text};
 
 /// Weights of red, green and blue in linear light, each 0…1 and not all 0. A pixel of relative luminance L emits L
 /// times these weights.
@@ -162,48 +167,16 @@ impl StimulusColor {
     pub(super) fn light(self, luminance: f64) -> [f64; 3] {
         self.rgb.map(|weight| weight * luminance)
     }
-
-    /// Returns strings from which this color may have been read: `hsv:` and `xyY:` with an increasing number of
-    /// decimals.
-    fn candidates(self) -> impl Iterator<Item = String> {
-        let [_, s, v] = hsv_from_rgb(self.rgb);
-        let xyy = xyy_from_xyz(xyz_from_rgb(self.rgb));
-        DECIMALS.into_iter().flat_map(move |scale| {
-            let hsv = hue(self.rgb).map(|h| written("hsv:", &[wrapped_deg(rounded(h, scale)), s, v], scale));
-            hsv.into_iter().chain([written("xyY:", &xyy, scale)])
-        })
-    }
-}
-
-/// Powers of ten for the numbers of decimals that are tried for `hsv:` and `xyY:`. The last is more than people write.
-const DECIMALS: [f64; 7] = [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6];
-
-/// Rounds `number` to the nearest multiple of 1/`scale`.
-fn rounded(number: f64, scale: f64) -> f64 {
-    (number * scale).round() / scale + 0.0
-}
-
-/// Writes the numbers of a color in a model, each rounded to a multiple of 1/`scale`.
-fn written(model: &str, numbers: &[f64], scale: f64) -> String {
-    let numbers: Vec<String> = numbers.iter().map(|number| rounded(*number, scale).to_string()).collect();
-    format!("{model}{}", numbers.join(","))
 }
 
 impl fmt::Display for StimulusColor {
-    /// Writes the shortest text that reads back as exactly this color: its name, if it has one, or else the shortest of
-    /// `R,G,B`, `hsv:H,S,V` and `xyY:x,y,Y`.
+    /// Writes its name, if it has one, or else `R,G,B`, which reads back as exactly this color.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some((name, _)) = NAMED.iter().find(|(_, rgb)| *rgb == self.rgb) {
-            return f.write_str(name);
-        }
         let [r, g, b] = self.rgb;
-        let mut shortest = format!("{r},{g},{b}");
-        for text in self.candidates() {
-            if text.len() < shortest.len() && parsed(&text).as_ref() == Ok(self) {
-                shortest = text;
-            }
+        match NAMED.iter().find(|(_, rgb)| *rgb == self.rgb) {
+            Some((name, _)) => f.write_str(name),
+            None => write!(f, "{r},{g},{b}"),
         }
-        f.write_str(&shortest)
     }
 }
 

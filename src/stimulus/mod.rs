@@ -13,7 +13,6 @@ mod predicted;
 mod profiles;
 pub mod recipe;
 mod shaded_mesh;
-mod smooth;
 mod viewing;
 
 pub use catalog::{KINDS, Stimulus, is_direction};
@@ -25,5 +24,4 @@ pub use parameter::{Parameter, ParameterError, ParameterValue};
 pub use predicted::Visible;
 pub use profiles::{Chevreul, Cornsweet, Cylinder, Shading};
 pub use shaded_mesh::{ShadedMesh, Triple, along, describe_scene, emitted};
-pub use smooth::{Judged, Residual, SurfaceDifference};
-pub use viewing::ViewingConditions;
+pub use viewing::{Judged, Residual, SurfaceDifference, ViewingConditions};

@@ -8,7 +8,10 @@ use std::{
 use rayon::prelude::*;
 
 use super::{
-    catalog::Stimulus, parameter::ParameterValue, shaded_mesh::emitted, smooth::Judged, viewing::ViewingConditions,
+    catalog::Stimulus,
+    parameter::ParameterValue,
+    shaded_mesh::emitted,
+    viewing::{Judged, ViewingConditions},
 };
 use crate::{
     text::Cell,

@@ -1,10 +1,13 @@
 //! A stimulus and everything that determines how its light is turned into codes. An image file contains its recipe, so
 //! its bytes can be verified by rendering it again.
 
-use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
+use serde::{Deserialize, Serialize};
 
-use super::catalog::Stimulus;
-use crate::light::{Bits, CodeImage, Dither, LinearImage, Quantizer, Transfer, TransferTable, Transfers};
+use super::{catalog::Stimulus, drawing::place};
+use crate::{
+    light::{Bits, CodeImage, Dither, LinearImage, Quantizer, Transfers},
+    text::{Cell, Column, Table},
+};
 
 /// Largest side of an image, pixels.
 pub const MAX_SIZE: u32 = crate::light::halftone::MAX_PX;
@@ -17,7 +20,7 @@ pub struct Recipe {
     /// Side of the square image in pixels, 1…[`MAX_SIZE`].
     pub size: u32,
     /// The display's transfer functions.
-    #[serde(rename = "transfer", serialize_with = "write_transfers", deserialize_with = "read_transfers")]
+    #[serde(rename = "transfer")]
     pub transfers: Transfers,
     /// Bits per channel.
     pub bits: Bits,
@@ -48,51 +51,38 @@ impl Recipe {
             dither => quantizer.quantize_with(&self.linear(), &dither.with_seed(self.seed)),
         }
     }
-}
 
-/// Transfer functions as a file stores them: a string, the points of a table, or, if the channels differ, one of these
-/// for each channel.
-#[derive(Serialize, Deserialize)]
-#[serde(untagged)]
-enum TransferForm {
-    Text(String),
-    Table { encoded: Vec<f64>, linear: Vec<f64> },
-    Each([Box<TransferForm>; 3]),
-}
-
-impl TransferForm {
-    fn of(transfer: &Transfer) -> Self {
-        match transfer {
-            Transfer::Table(table) => {
-                Self::Table { encoded: table.encoded().to_vec(), linear: table.linear().to_vec() }
-            }
-            other => Self::Text(other.to_string()),
+    /// Returns the luminance profile at the centers of the pixels, along a line through the center in the direction of the
+    /// orientation, dithered like a row of pixels. `quantizer` is as for [`Recipe::codes`].
+    pub fn profile(&self, quantizer: &Quantizer) -> Table {
+        const LIGHT: &str = "relative luminance, linear light";
+        let (stimulus, size) = (&self.stimulus, self.size);
+        let strongest = stimulus.strongest_channel();
+        let light = stimulus.profile(size);
+        let row = LinearImage::from_fn(size, 1, |i, _| light[i as usize]);
+        let codes = quantizer.quantize_with(&row, &self.dither.with_seed(self.seed));
+        let column = |name: &str, unit: &str, description: &str, cell: &dyn Fn(u32) -> Cell| Column {
+            cells: (0..size).map(cell).collect(),
+            ..Column::new(name, unit, description)
+        };
+        let code = |channel: usize, i: u32| codes.pixel(i, 0)[channel];
+        let emitted = |i| quantizer.channel(strongest).linear(code(strongest, i));
+        Table {
+            columns: vec![
+                column(
+                    "x",
+                    "proportion of the stimulus window",
+                    "Distance from the center along the orientation.",
+                    &|i| place(i, size).into(),
+                ),
+                column("linear", LIGHT, "Requested light of the strongest channel.", &|i| {
+                    f64::from(light[i as usize][strongest]).into()
+                }),
+                column("code_r", "", "Code of red.", &|i| code(0, i).into()),
+                column("code_g", "", "Code of green.", &|i| code(1, i).into()),
+                column("code_b", "", "Code of blue.", &|i| code(2, i).into()),
+                column("emitted", LIGHT, "Light that the strongest channel's code emits.", &|i| emitted(i).into()),
+            ],
         }
     }
-
-    fn transfers(self) -> Result<Transfers, String> {
-        match self {
-            Self::Text(text) => text.parse::<Transfer>().map(Transfers::from),
-            Self::Table { encoded, linear } => {
-                TransferTable::new(encoded, linear).map(|table| Transfer::Table(table).into())
-            }
-            Self::Each(channels) => {
-                let [red, green, blue] = channels.map(|channel| channel.transfers());
-                let first = |transfers: Transfers| transfers.channels()[0].clone();
-                Ok(Transfers::new([first(red?), first(green?), first(blue?)]))
-            }
-        }
-    }
-}
-
-fn write_transfers<S: Serializer>(transfers: &Transfers, serializer: S) -> Result<S::Ok, S::Error> {
-    let form = match transfers.uniform() {
-        Some(transfer) => TransferForm::of(transfer),
-        None => TransferForm::Each(transfers.channels().each_ref().map(|channel| Box::new(TransferForm::of(channel)))),
-    };
-    form.serialize(serializer)
-}
-
-fn read_transfers<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Transfers, D::Error> {
-    TransferForm::deserialize(deserializer)?.transfers().map_err(D::Error::custom)
 }

@@ -113,7 +113,7 @@ fn check_toml(path: &Path, file: &str, text: &str) -> Result<Checked, StoreError
         let warning = (!notes.is_empty()).then(|| notes.join("; "));
         return Ok(Checked { sentence, profile: None, warning });
     }
-    if document.has("transfer") || document.has("channels") {
+    if document.has("transfer") {
         let profile = profile::parse(file, text)?;
         let sentence = format!("display profile {}", profile.sentence());
         return Ok(Checked { sentence, profile: Some(profile), warning: None });

@@ -10,7 +10,7 @@
 //! | edits a definition and keeps its comments | [`draft`] |
 //! | definitions, display profiles and simulated observers (TOML) | [`definition`], [`profile`], [`observer`] |
 //! | what the window remembers (TOML) | [`settings`] |
-//! | photometer readings, visual matches and stimulus profiles (CSV) | [`readings`], [`mod@matches`], [`curve`] |
+//! | photometer readings and visual matches (CSV) | [`readings`], [`mod@matches`] |
 //! | identifies any file and finds all errors in it | [`check`](mod@check) |
 //!
 //! [`Writer`] writes every file that the user named. Private modules provide atomic and append-only files, and readers
@@ -18,7 +18,6 @@
 
 pub mod check;
 mod columns;
-pub mod curve;
 pub mod definition;
 pub mod draft;
 mod error;

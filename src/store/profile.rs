@@ -1,6 +1,6 @@
 //! Display profiles (TOML).
 
-use std::{path::Path, str::FromStr};
+use std::path::Path;
 
 use ::toml::Table;
 use serde::{Deserialize, Serialize};
@@ -13,7 +13,7 @@ use super::{
 };
 use crate::{
     display::{DisplayProfile, LuminanceRange, Measurement, Primaries},
-    light::{Transfer, TransferTable, Transfers},
+    light::{Transfer, Transfers},
 };
 
 /// Reads a display profile.
@@ -21,9 +21,9 @@ use crate::{
 /// ```toml
 /// schema = 1
 /// name = "Left monitor"
-/// transfer = "gog:2.2,1.05,-0.05"   # srgb | linear | gamma:G | gog:GAMMA,GAIN,OFFSET | table;
-/// # encoded = [0.0, 0.5, 1.0]       # or three joined by "/" for red, green and blue
-/// # linear = [0.0, 0.22, 1.0]       # only with "table": encoded values and their light, both increasing from 0 to 1
+/// transfer = "gog:2.2,1.05,-0.05"   # srgb | linear | gamma:G | gog:GAMMA,GAIN,OFFSET; or encoded values and their light,
+///                                   # both increasing from 0 to 1: { encoded = [0, 0.5, 1], linear = [0, 0.22, 1] };
+///                                   # or a list of three of these, for red, green and blue
 /// black_cd_m2 = 0.12
 /// white_cd_m2 = 251.0
 /// bits = 8
@@ -40,11 +40,6 @@ use crate::{
 /// green = [0.3, 0.6]
 /// blue = [0.15, 0.06]
 /// white = [0.3127, 0.329]
-///
-/// # [channels.red]                  # a section for each channel, in place of the transfer above
-/// # transfer = "table"
-/// # encoded = [0.0, 0.5, 1.0]
-/// # linear = [0.0, 0.22, 1.0]
 /// ```
 ///
 /// # Errors
@@ -60,8 +55,11 @@ pub fn open(path: &Path) -> Result<DisplayProfile, FileErrors> {
 pub fn parse(file: &str, text: &str) -> Result<DisplayProfile, FileErrors> {
     let (form, mut document) = toml_file::read::<ProfileForm>(file, text)?;
     let profile = DisplayProfile {
-        transfers: transfers(&form, &mut document),
         luminance: luminance(&form, &mut document),
+        transfers: form.transfer.unwrap_or_else(|| {
+            document.error("transfer", "transfer is missing; expected transfer = …");
+            Transfer::Srgb.into()
+        }),
         name: form.name,
         primaries: form.primaries,
         bits: form.bits.map(|bits| u8::try_from(bits).unwrap_or(u8::MAX)),
@@ -109,9 +107,7 @@ struct ProfileForm {
     #[serde(skip_deserializing)]
     schema: u32,
     name: String,
-    transfer: Option<String>,
-    encoded: Option<Vec<f64>>,
-    linear: Option<Vec<f64>>,
+    transfer: Option<Transfers>,
     black_cd_m2: Option<f64>,
     white_cd_m2: Option<f64>,
     bits: Option<u32>,
@@ -119,49 +115,14 @@ struct ProfileForm {
     native_px: Option<[u32; 2]>,
     measured: Option<Measurement>,
     primaries: Option<Primaries>,
-    channels: Option<ChannelForms>,
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ChannelForms {
-    red: TransferForm,
-    green: TransferForm,
-    blue: TransferForm,
-}
-
-/// The transfer function of one channel, or of all three.
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct TransferForm {
-    transfer: String,
-    encoded: Option<Vec<f64>>,
-    linear: Option<Vec<f64>>,
-}
-
-impl From<&Transfer> for TransferForm {
-    fn from(transfer: &Transfer) -> Self {
-        let (encoded, linear) = match transfer {
-            Transfer::Table(table) => (Some(table.encoded().to_vec()), Some(table.linear().to_vec())),
-            _ => (None, None),
-        };
-        Self { transfer: transfer.to_string(), encoded, linear }
-    }
 }
 
 impl From<&DisplayProfile> for ProfileForm {
     fn from(profile: &DisplayProfile) -> Self {
-        let all = profile.transfers.uniform().map(TransferForm::from);
-        let [red, green, blue] = profile.transfers.channels().each_ref().map(TransferForm::from);
-        let channels = all.is_none().then_some(ChannelForms { red, green, blue });
-        let (transfer, encoded, linear) =
-            all.map_or((None, None, None), |all| (Some(all.transfer), all.encoded, all.linear));
         Self {
             schema: 1,
             name: profile.name.clone(),
-            transfer,
-            encoded,
-            linear,
+            transfer: Some(profile.transfers.clone()),
             black_cd_m2: profile.luminance.map(|range| range.black_cd_m2),
             white_cd_m2: profile.luminance.map(|range| range.white_cd_m2),
             bits: profile.bits.map(u32::from),
@@ -169,50 +130,8 @@ impl From<&DisplayProfile> for ProfileForm {
             native_px: profile.native_px,
             measured: profile.measured.clone(),
             primaries: profile.primaries,
-            channels,
         }
     }
-}
-
-fn transfers(form: &ProfileForm, document: &mut Document<'_>) -> Transfers {
-    let Some(ChannelForms { red, green, blue }) = &form.channels else {
-        let Some(text) = &form.transfer else {
-            document.error("transfer", "transfer is missing; expected transfer = …");
-            return Transfer::Srgb.into();
-        };
-        return transfer("transfer", text, &form.encoded, &form.linear, document);
-    };
-    for key in ["transfer", "encoded", "linear"] {
-        if document.has(key) {
-            document.error(key, format!("{key} cannot be combined with [channels]; expected only one of them"));
-        }
-    }
-    let mut one = |name: &str, TransferForm { transfer: text, encoded, linear }: &TransferForm| {
-        transfer(&format!("channels.{name}.transfer"), text, encoded, linear, document)
-    };
-    Transfers::new([one("red", red), one("green", green), one("blue", blue)])
-}
-
-/// Reads a transfer function, or those of all channels.
-fn transfer<T: FromStr<Err = String> + From<Transfer>>(
-    path: &str,
-    text: &str,
-    encoded: &Option<Vec<f64>>,
-    linear: &Option<Vec<f64>>,
-    document: &mut Document<'_>,
-) -> T {
-    let found = if text == "table" {
-        TransferTable::new(encoded.clone().unwrap_or_default(), linear.clone().unwrap_or_default())
-            .map(|table| Transfer::Table(table).into())
-    } else if encoded.is_some() || linear.is_some() {
-        Err("encoded and linear require transfer = \"table\"; expected that, or no lists".to_owned())
-    } else {
-        text.parse().map_err(|error| format!("{error} (or table)"))
-    };
-    found.unwrap_or_else(|message| {
-        document.error(path, message);
-        Transfer::Srgb.into()
-    })
 }
 
 fn luminance(form: &ProfileForm, document: &mut Document<'_>) -> Option<LuminanceRange> {

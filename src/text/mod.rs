@@ -2,10 +2,8 @@
 //! window, reports and Python's arrays are written from the values; no text is read back. It uses no other module of this
 //! crate.
 
-mod cell;
 pub(crate) mod names;
 pub(crate) mod number;
 mod table;
 
-pub use cell::{Cell, inert, is_formula};
-pub use table::{Column, Table};
+pub use table::{Cell, Column, Table, inert, is_formula};

@@ -18,14 +18,10 @@ mod error;
 mod eye;
 mod grid;
 mod judge;
-mod ramp;
-mod steps;
 mod transforms;
 
 pub use detection::ContrastSpectrum;
 pub use error::{MAX_DEG, VisionError, check_extent};
 pub use eye::{Criterion, Eye, Masking, Sensitivity, luminance, luminances};
-pub use judge::{Difference, DifferenceMap, Judge, Place};
-pub use ramp::RampBands;
-pub use steps::unrounded;
-pub use transforms::next_fast_length;
+pub use judge::{Difference, DifferenceMap, Judge, Place, RampBands};
+pub use transforms::{next_fast_length, unrounded};

@@ -10,7 +10,7 @@ use crate::{
     report::study::shell_command,
     stimulus::recipe::Recipe,
     store::{
-        self, Writer,
+        Writer,
         image::{Finish, recipe_png},
     },
 };
@@ -72,7 +72,7 @@ impl Render {
             writer.write(out, &recipe_png(out, &recipe, &quantizer, finish)?)?;
         }
         if let Some(profile) = profile {
-            writer.write(profile, &store::curve::table(&recipe, &quantizer).csv())?;
+            writer.write(profile, &recipe.profile(&quantizer).csv())?;
         }
         Ok(())
     }

@@ -6,7 +6,7 @@ use eframe::egui::{Key, Modifiers, ViewportEvent, ViewportId};
 use egui_kittest::kittest::Queryable as _;
 use machband::{
     app::{App, Launch, Request},
-    display::{DisplayProfile, LuminanceRange, Measurement, steps::steps},
+    display::{DisplayProfile, LuminanceRange, Measurement, profile::steps},
     experiment::{Identity, Protocol, Schedule},
     light::{Bits, Dither, Transfer, TransferTable, Transfers},
     stimulus::recipe::Recipe,

@@ -222,7 +222,7 @@ fn cases() -> Vec<Case> {
     // In each row, the cells share a text of a megabyte.
     let texts = format!("<row>{}</row>", "<c t=\"s\"><v>0</v></c>".repeat(8000));
     let curve = list(40_001, |i| i as f64 / 40_000.0);
-    let profile = "schema = 1\nname = \"x\"\ntransfer = \"table\"";
+    let profile = "schema = 1\nname = \"x\"";
     let [a, b] = ["a", "b"].map(|letter| letter.repeat(500_000));
     vec![
         case("levels.csv", &ratings(2 * many, 2, 1, many, 4), "ANALYZE => the number of levels of f0 is | COUNTS"),
@@ -262,7 +262,7 @@ fn cases() -> Vec<Case> {
         case("deep.toml", &format!("x = {}", "[".repeat(500_000)), "check {} => is not valid TOML"),
         case(
             "profile.toml",
-            &format!("{profile}\nencoded = [{curve}]\nlinear = [{curve}]\n"),
+            &format!("{profile}\ntransfer = {{ encoded = [{curve}], linear = [{curve}] }}\n"),
             "check {} => * | predict --display {} => *",
         ),
         case(

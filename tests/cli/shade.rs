@@ -159,7 +159,7 @@ fn the_smooth_surface_is_drawn_and_compared() {
     });
     assert!(c1 < 0.6 * phong, "{c1} {phong}");
     // Estimated normals are worse than the given ones, but a mesh without normals can have them.
-    let estimated = metrics(folder.path(), &format!("{coarse} c1-phong --normals cubic --truth fine.obj"));
+    let estimated = metrics(folder.path(), &format!("{coarse} c1-phong --normals best --truth fine.obj"));
     assert!(estimated["residual"]["over_gouraud"]["rms"].as_f64().unwrap() > c1, "{estimated}");
 
     let cases = r"
@@ -168,7 +168,7 @@ fn the_smooth_surface_is_drawn_and_compared() {
         2: --mesh torus --shader phong --truth --out x.png => --truth: draws the smooth surface itself; expected no
         2: --mesh torus --shader phong --truth fine.obj --out x.png => --truth: is compared only by the metrics
         2: --mesh torus --out x.png => --shader
-        2: --mesh torus --shader phong --normals mean --out x.png => [possible values: given, averaged, max, cubic, best]
+        2: --mesh torus --shader phong --normals mean --out x.png => [possible values: given, averaged, best]
         1: --mesh torus --truth none.obj --out x.png => none.obj";
     refuses(folder.path(), "shade {}", cases);
 }

@@ -4,15 +4,10 @@ use base64::{Engine as _, prelude::BASE64_STANDARD};
 use glam::{DVec2, DVec3};
 use machband::{
     light::Transfer,
-    shading::{
-        Coat, Creases, EdgeKind, Frame, Mesh, Normals, Paint, PaintedCorner, Scene, Shade, Shader, Surface, Texture,
-        Wrap, coverage, image, shapes,
-    },
+    shading::{Creases, EdgeKind, Frame, Normals, Scene, Shade, Shader, Surface, Texture, Wrap, coverage, image},
     store::mesh::{self, MeshFile},
 };
 use serde_json::{Value, json};
-
-use super::apart;
 
 /// Two triangles over the square −1…1, in the plane z = 0.
 const PLACES: [[f32; 3]; 4] = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
@@ -186,6 +181,10 @@ fn errors_of_glb_files_say_what_is_expected() {
         ),
         (b"glTF\x02\0\0\0\x03\0\0\0".to_vec(), "its header is damaged; expected a GLB file"),
         (b"{}".to_vec(), "expected a glTF 2.0 file"),
+        (
+            set("/images/0", json!({ "uri": "data:image/webp;base64,UklGRg==" })),
+            "image 0 is neither a PNG nor a JPEG image; expected one of them",
+        ),
     ] {
         let message = message(&content);
         assert!(message.starts_with("it: ") && message.contains(words), "{words}: {message}");
@@ -266,6 +265,14 @@ fn every_kind_of_ply_file_gives_the_same_mesh() {
         let message = message(ascii.replace(from, to).as_bytes());
         assert!(message.contains(words) && message.contains("; expected"), "{words}: {message}");
     }
+    // Some programs write codes as real numbers, and the format lets faces come first.
+    let codes = parsed(ascii.replace("property uchar", "property float").as_bytes());
+    assert_eq!(codes.notes, ["colors above 1 are taken as codes of 8 bits"]);
+    assert_eq!(codes.mesh, parsed(ascii.as_bytes()).mesh);
+    let (vertices, faces) =
+        ("element vertex 1\nproperty float x\n", "element face 1\nproperty list uchar int vertex_index\n");
+    let first = format!("ply\nformat ascii 1.0\n{faces}{vertices}end_header\n3 0 1 2\n0\n");
+    assert_eq!(message(first.as_bytes()), "it: face 0 comes before the vertices; expected them first");
     let binary = ply("binary_big_endian");
     let ended = message(&binary[..binary.len() - 3]);
     assert_eq!(ended, "it: ends within face 0 of 1; expected as many as its header says");
@@ -306,39 +313,6 @@ fn mixed_winding_is_repaired() {
         assert!((volume - 1.0).abs() < 1e-12, "{reversed:?}: {volume}");
         whole.get_or_insert(found.mesh.vertices.len());
         assert_eq!(whole, Some(found.mesh.vertices.len()));
-    }
-}
-
-/// A torus with a color, a place on a texture and a normal map at every corner.
-pub fn painted_torus() -> Mesh {
-    let mesh = shapes::torus(28, 14, 0.0);
-    let corner = |v: &u32| {
-        let p = mesh.vertices[*v as usize].position;
-        let around = p.y.atan2(p.x) / std::f64::consts::TAU;
-        let place = DVec2::new(4.0 * around.abs(), 3.0 * p.z);
-        PaintedCorner { color: (p + 1.5) / 3.0, place, ..PaintedCorner::default() }
-    };
-    let texels = |of: fn(u32) -> [f32; 3]| {
-        Some(Texture { width: 8, height: 4, texels: (0..32).map(of).collect(), wrap: Default::default() }.into())
-    };
-    let coat = Coat {
-        base: texels(|i| [0.5 + 0.015 * i as f32, 1.0 - 0.01 * i as f32, 0.8]),
-        normals: texels(|i| [0.2 * (i % 3) as f32 - 0.2, 0.1 * (i % 5) as f32 - 0.2, 1.0]),
-    };
-    let corners = mesh.triangles.iter().map(|t| [0, 1, 2].map(|k| corner(&t[k]))).collect();
-    let of_triangles = vec![0; mesh.triangles.len()];
-    mesh.painted(Paint { corners, of_triangles, coats: vec![coat] })
-}
-
-#[test]
-fn paint_shows_under_every_shader() {
-    let surface = Surface::new(painted_torus());
-    for distance in [f64::INFINITY, 2.0] {
-        let frame = Scene { distance, specular: 0.3, ..Scene::default() }.frame(&surface, 160, 160);
-        for shade in [Shader::Gouraud, Shader::Patch, Shader::Phong, Shader::C1Phong].map(Shade::new) {
-            let plain = image(&frame.clone().unpainted(), &shade);
-            assert!(apart(&plain, &image(&frame, &shade)) > 0.1, "{shade:?} from {distance}");
-        }
     }
 }
 
@@ -484,6 +458,9 @@ fn obj_vertices_may_have_colors_and_ply_files_strips() {
     let corners = parsed(obj).mesh.paint.unwrap().corners[0].map(|corner| corner.color);
     let half = Transfer::Srgb.linear_from_encoded(0.5);
     assert_eq!(corners, [DVec3::X, DVec3::ONE, DVec3::new(0.0, half, 0.0)]);
+    // Codes of 8 bits, and a vertex without a color.
+    let corners = parsed(b"v 0 0 0\nv 1 0 0 255 0 0\nv 0 1 0 0 0 0\nf 1 2 3\n").mesh.paint.unwrap().corners[0];
+    assert_eq!(corners.map(|corner| corner.color), [DVec3::ONE, DVec3::X, DVec3::ZERO]);
     assert!(message(b"v 0 0 0 1 0 red\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").contains("\"red\" is not a number"));
     let ply = "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\nelement tristrips 1\nproperty list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n2 0 0\n8 0 1 2 3 -1 1 4 3\n";
     let mesh = parsed(ply.as_bytes()).mesh;

@@ -22,7 +22,7 @@ fn vectors(numbers: &[f64]) -> Vec<DVec3> {
     numbers.chunks_exact(3).map(DVec3::from_slice).collect()
 }
 
-/// The scene of scripts/golden_illumination.py.
+/// The scene of scripts/golden_shading.py.
 fn scene(specular_model: Specular) -> Lighting {
     let material = Material {
         color: DVec3::new(0.9, 0.5, 0.1),

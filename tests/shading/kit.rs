@@ -4,7 +4,7 @@
 use std::{fs, path::Path};
 
 use bytemuck::cast_slice;
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DMat3, DVec3};
 use machband::{
     light::{Bits, Quantizer, Transfer},
     shading::{
@@ -456,81 +456,4 @@ fn card_gives_plain_rusts_coefficients_and_the_librarys_pixels() {
         let what = format!("{}, {}: {differ} of {compared} pixels differ by more than 1 code", card.name, subject.name);
         assert!(compared > 5_000 && 5_000 * differ <= compared, "{what}");
     }
-}
-
-/// Hills over a plane that reaches from behind the eye to far away, so that triangles cross the near plane and a side of
-/// the view at once. Wherever a triangle has coefficients, its pixels are those of the cubic with weights that are linear
-/// on the screen.
-#[test]
-fn triangles_that_cross_two_clip_planes_keep_their_light() {
-    let Some(card) = card() else { return };
-    const CELLS: u32 = 12;
-    let point = |i: u32, j: u32| {
-        let (x, z) = (f64::from(i) * 0.5 - 3.0, f64::from(j) * -0.31 + 0.5);
-        let (sin, cos) = (1.3 * x + 0.7 * z).sin_cos();
-        let height = |wave: f64| 0.08 * wave;
-        (DVec3::new(x, height(sin) - 0.25, z), DVec3::new(-1.3 * height(cos), 1.0, -0.7 * height(cos)).normalize())
-    };
-    let (positions, normals): (Vec<_>, Vec<_>) = (0..=CELLS)
-        .flat_map(|i| (0..=CELLS).map(move |j| (i, j)))
-        .map(|(i, j)| point(i, j))
-        .map(|(position, normal)| (position.to_array(), normal.to_array()))
-        .unzip();
-    let at = |i: u32, j: u32| i * (CELLS + 1) + j;
-    let cells = (0..CELLS).flat_map(|i| (0..CELLS).map(move |j| (i, j)));
-    let triangles: Vec<[u32; 3]> = cells
-        .flat_map(|(i, j)| [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]])
-        .collect();
-    let surface = cubic::Surface::new(&positions, &normals, &triangles);
-    let (near, far, mut projection) = (0.35, 20.0, [0.0; 16]);
-    (projection[0], projection[5], projection[10]) = (1.1, 1.1, -far / (far - near));
-    (projection[14], projection[11]) = (-far * near / (far - near), -1.0);
-    let mut model_view = [0.0; 16];
-    for i in [0, 5, 10, 15] {
-        model_view[i] = 1.0;
-    }
-    let camera = Camera { model_view, projection, size: [f64::from(SIDE); 2] };
-    let pixels = card.drawn(&card.mesh(&surface, &camera), &camera);
-    let cubics = cubic::coefficients(&surface, &camera);
-    let lighting = |normal: DVec3, place: DVec3| {
-        let (normal, lamp) = (normal.normalize(), DVec3::new(0.36, 0.48, 0.8).normalize());
-        let cosine = normal.dot(lamp);
-        let shine = (2.0 * cosine * normal - lamp).dot(-place.normalize()).max(0.0);
-        0.1 + if cosine > 0.0 { 0.6 * cosine + 0.3 * shine.powf(20.0) } else { 0.0 }
-    };
-    let (mut compared, mut crossing) = (0, 0);
-    for (t, k) in surface.triangles.iter().zip(&cubics).filter(|(_, k)| k[0] != [0.0; 3]) {
-        let corners = t.map(|v| DVec3::from(surface.positions[v as usize]));
-        let screen = corners.map(|p| DVec2::new(1.0 - 1.1 * p.x / p.z, 1.0 + 1.1 * p.y / p.z) * f64::from(SIDE) / 2.0);
-        let is_crossing = corners.iter().any(|p| -p.z < near) && corners.iter().any(|p| (1.1 * p.x).abs() > -p.z);
-        let area = (screen[1] - screen[0]).perp_dot(screen[2] - screen[0]);
-        for pixel in 0..SIDE * SIDE {
-            let p = DVec2::new(f64::from(pixel % SIDE) + 0.5, f64::from(pixel / SIDE) + 0.5);
-            let part = |a: DVec2, b: DVec2| (a - p).perp_dot(b - p) / area;
-            let w = [part(screen[1], screen[2]), part(screen[2], screen[0]), part(screen[0], screen[1])];
-            // 1/z is linear on the screen.
-            let z = 1.0 / (0..3).map(|i| w[i] / corners[i].z).sum::<f64>();
-            if w.iter().any(|w| *w < 1e-3) || -z < 1.01 * near {
-                continue;
-            }
-            let place = DVec3::new(
-                (p.x / f64::from(SIDE) * 2.0 - 1.0) * -z / 1.1,
-                (1.0 - p.y / f64::from(SIDE) * 2.0) * -z / 1.1,
-                z,
-            );
-            let light = lighting(DVec3::from(cubic::value(&k.map(|k| k.map(f64::from)), w)), place);
-            let code = f64::from(pixels[4 * pixel as usize]);
-            assert!(
-                (code - 255.0 * light).abs() < 2.0,
-                "{}: pixel {p}, weights {w:?}: {code} for {}",
-                card.name,
-                255.0 * light
-            );
-            (compared, crossing) = (compared + 1, crossing + usize::from(is_crossing));
-        }
-    }
-    assert!(
-        compared > 10_000 && crossing > 500,
-        "{compared} pixels, {crossing} of them in triangles that cross two planes"
-    );
 }

@@ -7,12 +7,8 @@ mod files;
 mod illumination;
 mod kit;
 mod meshes;
-mod patch;
-mod raster;
 mod scenes;
 mod shaders;
-#[path = "../../tools/src/slopes.rs"]
-mod slopes;
 mod truth;
 
 use std::collections::HashMap;

@@ -1,14 +1,19 @@
 //! Compares the shaders with numbers computed elsewhere, and checks properties that they must have.
 
-use glam::{DVec2, DVec3};
-use machband::light::Depth;
-use machband::shading::{
-    Correction, Frame, FrameVertex, Lighting, Shade, Shader, Shading, Surface, View, image, shapes,
+use glam::{DMat3, DQuat, DVec2, DVec3};
+use machband::{
+    light::Depth,
+    shading::{
+        Correction, Field, Frame, FrameVertex, Lighting, Patches, Shade, Shader, Shading, Surface, View,
+        cubic::Gradient,
+        image,
+        shapes::{self, Shape},
+    },
 };
 
 use crate::{
     common::{golden_path, json},
-    joined as frame, lit_from, vertex,
+    joined as frame, lit_from, standard, vertex,
 };
 
 const CORRECTIONS: [Correction; 3] = [Correction::Off, Correction::Printed, Correction::Repaired];
@@ -215,30 +220,15 @@ fn quadratic_passes_through_vertices_and_midpoints() {
 /// Makes a frame with slivers, triangles without area, a fin, borders, vertices at the same position, and a triangle
 /// that faces away.
 fn ugly() -> Frame {
+    // In 256ths of a pixel.
     let places = [
-        20.0,
-        20.0,
-        20.0,
-        180.0,
-        100.0,
-        100.0,
-        180.0,
-        20.0,
-        180.0,
-        180.0,
-        20.0,
-        19.996_093_75,
-        100.003_906_25,
-        100.0,
-        100.0,
-        100.0,
-        150.0,
-        150.0,
+        5120, 5120, 5120, 46_080, 25_600, 25_600, 46_080, 5120, 46_080, 46_080, 5120, 5119, 25_601, 25_600, 25_600,
+        25_600, 38_400, 38_400,
     ];
     let vertices = places.chunks_exact(2).enumerate().map(|(i, at)| FrameVertex {
         depth: 0.1 * i as f64,
         normal: if i == 4 { DVec3::NEG_Z } else { DVec3::new((i as f64).sin(), 0.3, 0.6).normalize() },
-        ..vertex(DVec2::new(at[0], at[1]), DVec3::splat(i as f64 / 8.0))
+        ..vertex(DVec2::new(at[0].into(), at[1].into()) / 256.0, DVec3::splat(i as f64 / 8.0))
     });
     let triangles = [0, 1, 2, 2, 1, 4, 3, 2, 4, 0, 2, 3, 5, 0, 3, 0, 2, 6, 2, 7, 6, 2, 7, 2, 1, 4, 8, 2, 1, 8, 3, 1, 0];
     let triangles: Vec<[u32; 3]> = triangles.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
@@ -276,5 +266,67 @@ fn every_shader_gives_finite_light_on_every_frame() {
             assert_eq!(picture.pixel(0, 0), [0.25; 3]);
             assert!(picture.pixel(70, 100) != [0.25; 3], "{shader}");
         }
+    }
+}
+
+// ---- the cubics of the patch shader ----
+
+#[test]
+fn cubics_match_numpy() {
+    let text = include_str!("../golden/patch.csv");
+    let (mut places, mut lights, mut gradients, mut triangles) = (vec![], vec![], vec![], vec![]);
+    let mut samples = vec![];
+    for line in text.lines().filter(|line| !line.starts_with('#')) {
+        let (kind, values) = line.split_once(',').expect("a kind");
+        let v: Vec<f64> = values.split(',').map(|v| v.parse().expect("a number")).collect();
+        match kind {
+            "vertex" => {
+                places.push(DVec2::new(v[0], v[1]));
+                lights.push(DVec3::new(v[2], v[3], v[4]));
+                gradients.push([0, 1, 2].map(|c| [v[5 + 2 * c], v[6 + 2 * c]]));
+            }
+            "triangle" => triangles.push([0, 1, 2].map(|k| v[k] as u32)),
+            _ => samples.push((v[0] as usize, v[1], v[2], DVec3::new(v[3], v[4], v[5]))),
+        }
+    }
+    let mut frame = crate::frame(&places, &triangles, |_| DVec3::ZERO);
+    for (vertex, light) in frame.vertices.iter_mut().zip(lights) {
+        vertex.light = light;
+    }
+    let patches = Patches::with_gradients(&frame, Field::Light, gradients);
+    assert!(samples.len() >= 100);
+    for (t, first, second, expected) in samples {
+        // The frame's corners may be in the opposite order.
+        let w = frame.triangles[t].vertices.map(|v| {
+            let k = triangles[t].iter().position(|own| *own == v).expect("a corner");
+            [first, second, 1.0 - first - second][k]
+        });
+        let light = patches.value(t, w);
+        assert!((light - expected).abs().max_element() < 1e-11, "triangle {t}: {light}, expected {expected}");
+    }
+}
+
+/// Makes a sphere with the curvature that is estimated from its mesh.
+fn sphere(vertices: usize) -> Surface {
+    Surface::new(shapes::mesh(Shape::Sphere, vertices).expect("a sphere"))
+}
+
+/// While a mesh turns, its slopes do not jump when the normal of a vertex begins to face away.
+#[test]
+fn slopes_do_not_jump_where_a_normal_faces_away() {
+    let surface = sphere(642);
+    for vertex in &surface.mesh.vertices[..40] {
+        let [before, after] = [1e-9, -1e-9].map(|z| {
+            let turn = DQuat::from_rotation_arc(vertex.normal, DVec3::new(1.0, 0.0, z).normalize());
+            let view = View { rotation: DMat3::from_quat(turn), ..View::square(400) };
+            let frame = Frame::new(&surface, &view, &standard(), DVec3::ZERO);
+            let own = frame.vertices.iter().position(|own| own.normal.distance(DVec3::X) < 1e-6);
+            own.map(|own| Patches::new(&frame, Field::Normal).gradients[own])
+        });
+        let (Some(before), Some(after)) = (before, after) else { continue };
+        let apart =
+            |a: Gradient, b: Gradient| (0..3).map(|c| DVec2::from(a[c]).distance(b[c].into())).fold(0.0, f64::max);
+        let size = apart(before, [[0.0; 2]; 3]);
+        assert!(apart(before, after) < 1e-3 * size, "{}: {before:?}, {after:?}", vertex.position);
     }
 }

@@ -5,13 +5,13 @@ use glam::{DVec2, DVec3};
 use machband::{
     light::LinearImage,
     shading::{
-        Correction, Creases, Frame, Mesh, Normals, Scene, Shade, Shader, Shading, Surface, Truth,
+        Correction, Creases, Frame, Mesh, Normals, Scene, Shade, Shader, Surface, Truth,
         shapes::{self, Shape},
     },
     stimulus::{Judged, ViewingConditions, emitted},
 };
 
-use crate::{frame, grid, random, shades, slopes::at_vertices};
+use crate::{frame, grid, random, shades};
 
 const SIDE: u32 = 256;
 
@@ -146,38 +146,16 @@ fn error_deg(mesh: &Mesh, normals: Normals) -> f64 {
 
 #[test]
 fn estimated_normals_approach_the_surfaces() {
-    // Max's normals are exact on every mesh inscribed in a sphere.
+    // On a sphere, hardly anything is missed; elsewhere, `best` is closer than Shoaff's means.
     for mesh in [shapes::sphere(8), shapes::mesh(Shape::UvSphere, 674).unwrap()] {
-        assert!(error_deg(&mesh, Normals::Max) < 1e-5, "{}", error_deg(&mesh, Normals::Max));
-        assert!(error_deg(&mesh, Normals::Cubic) < 0.05, "{}", error_deg(&mesh, Normals::Cubic));
-    }
-    // The cubic at least halves Max's errors where triangles are uneven.
-    for (shape, vertices) in
-        [(Shape::Blob, 320), (Shape::Blob, 771), (Shape::Terrain, 289), (Shape::FilletedCylinder, 194)]
-    {
-        let mesh = shapes::mesh(shape, vertices).unwrap();
-        let [max, cubic] = [Normals::Max, Normals::Cubic].map(|normals| error_deg(&mesh, normals));
-        assert!(cubic < 0.5 * max, "{shape}: {cubic} {max}");
+        assert!(error_deg(&mesh, Normals::Best) < 0.3, "{}", error_deg(&mesh, Normals::Best));
         assert_eq!(error_deg(&mesh, Normals::Given), 0.0);
     }
-    let mesh = shapes::mesh(Shape::JitteredTorus, 400).unwrap();
-    let [averaged, max, cubic] =
-        [Normals::Averaged, Normals::Max, Normals::Cubic].map(|normals| error_deg(&mesh, normals));
-    assert!(cubic < 0.7 * max && max < 0.7 * averaged, "{averaged} {max} {cubic}");
-    // The default is closer than Shoaff's means on meshes that sample a smooth surface, and closer than the cubic where
-    // detail was lost: here, bumps that are smaller than the triangles, as in a decimated scan.
     for (shape, vertices) in [(Shape::Blob, 771), (Shape::JitteredTorus, 400), (Shape::FilletedCylinder, 600)] {
         let mesh = shapes::mesh(shape, vertices).unwrap();
         let [averaged, best] = [Normals::Averaged, Normals::Best].map(|normals| error_deg(&mesh, normals));
         assert!(best < 0.8 * averaged, "{shape}: {best} {averaged}");
     }
-    let mut rough = shapes::mesh(Shape::Blob, 771).unwrap();
-    for vertex in &mut rough.vertices {
-        let p = 40.0 * vertex.position;
-        vertex.position *= 1.0 + 0.01 * (p.x.sin() * p.y.sin() + (1.3 * p.z).sin());
-    }
-    let [cubic, best] = [Normals::Cubic, Normals::Best].map(|normals| error_deg(&rough, normals));
-    assert!(best < 0.95 * cubic, "{best} {cubic}");
 }
 
 /// B and C, and the apexes A and D of the two triangles at the edge between B and C, in pixels; [`LIGHTS`] are their
@@ -264,21 +242,12 @@ fn both_sides_of_an_edge_have_the_same_light() {
 }
 
 #[test]
-fn patch_leaves_at_most_a_thousandth_and_one_slope_per_vertex() {
-    let rms = |frame: &Frame, shade: &Shade| {
-        let shading = Shading::new(frame, shade);
-        let spreads = at_vertices(frame, |t, w| shading.light(t, w));
-        assert!(spreads.len() > 100);
-        (spreads.iter().map(|spread| spread * spread).sum::<f64>() / spreads.len() as f64).sqrt()
-    };
+fn patch_leaves_at_most_a_thousandth() {
     for (name, frame) in creased() {
-        let shade = Shade::new(Shader::Patch);
         // Repaired vertex shading keeps the slopes continuous.
         for vertex in [Correction::Off, Correction::Repaired] {
-            let ratio = over_gouraud(&frame, &Shade { vertex, ..shade });
+            let ratio = over_gouraud(&frame, &Shade { vertex, ..Shade::new(Shader::Patch) });
             assert!(ratio <= 1e-3, "{name}, {vertex}: {ratio}");
         }
-        let spread = rms(&frame, &shade) / rms(&frame, &Shade::new(Shader::Gouraud));
-        assert!(spread <= 1e-3, "{name}: spread {spread} at the vertices");
     }
 }

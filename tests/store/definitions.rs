@@ -345,14 +345,14 @@ fn display_profiles_and_observers_are_validated_too() {
     let good = "schema = 1\nname = \"Left\"\ntransfer = \"gamma:2.2\"\nmeasured = { on = \"2026-01-31\" }\nscreen_width_cm = 53.1\n";
     let profile = profile::parse("p.toml", good).unwrap();
     assert_eq!((profile.transfers, profile.screen_width_cm), (Transfer::Gamma(2.2).into(), Some(53.1)));
-    let table = "schema = 1\nname = \"T\"\ntransfer = \"table\"\nencoded = [0, 0.5, 1]\nlinear = [0, 0.2, 1]\n";
+    let table = "schema = 1\nname = \"T\"\ntransfer = { encoded = [0, 0.5, 1], linear = [0, 0.2, 1] }\n";
     profile::parse("p.toml", table).unwrap();
     let full = "schema = 1\nname = \"Full\"\ntransfer = \"gamma:2/gog:2.2,1,-0.02/srgb\"\nblack_cd_m2 = 0.1\n\
                 white_cd_m2 = 200\nbits = 8\nnative_px = [1920, 1080]\n\
                 measured = { on = \"2026-01-31\", by = \"N. N.\", with = \"photometer\" }\n\
                 primaries = { red = [0.64, 0.33], green = [0.3, 0.6], blue = [0.15, 0.06], white = [0.3127, 0.329] }\n";
-    let each = "schema = 1\nname = \"Each\"\n[channels.red]\ntransfer = \"table\"\nencoded = [0, 0.5, 1]\n\
-                linear = [0, 0.2, 1]\n[channels.green]\ntransfer = \"gamma:2.1\"\n[channels.blue]\ntransfer = \"srgb\"\n";
+    let each = "schema = 1\nname = \"Each\"\n\
+                transfer = [{ encoded = [0, 0.5, 1], linear = [0, 0.2, 1] }, \"gamma:2.1\", \"srgb\"]\n";
     // Sidecars contain the hash of this text, so it must not change.
     let canonical = "{\"schema\":1,\"name\":\"Left\",\"transfer\":\"gamma:2.2\",\"screen_width_cm\":53.1,\
                      \"measured\":{\"on\":\"2026-01-31\"}}";
@@ -373,9 +373,10 @@ fn display_profiles_and_observers_are_validated_too() {
         (full, "2026-01-31", "31.1.2026", "8:14", "measured.on"),
         (full, "[0.3, 0.6]", "[0.3, 0.8]", "9:35", "primaries.green"),
         (full, "gamma:2/gog:2.2,1,-0.02/srgb", "srgb/srgb", "3:1", "expected one, or three"),
-        (each, "[channels.blue]\ntransfer = \"srgb\"\n", "", "3:2", "channels.blue is missing"),
+        (each, ", \"srgb\"]", "]", "3:1", "or a list of three"),
         (good, "\"gamma:2.2\"", "\"table\"", "3:1", "expected"),
-        (table, "\"table\"", "\"srgb\"", "3:1", "require transfer = \"table\""),
+        (table, "0.2, 1]", "0.2, 0.1]", "3:1", "expected"),
+        (table, "linear", "lineal", "3:1", "neither text nor a table with encoded and linear"),
     ];
     for (text, from, to, position, part) in cases {
         let error = profile::parse("p.toml", &text.replacen(from, to, 1)).expect_err(to);

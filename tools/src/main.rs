@@ -6,7 +6,6 @@ mod facts;
 mod peers;
 mod sessions;
 mod shaders;
-mod slopes;
 
 use std::{
     error::Error,

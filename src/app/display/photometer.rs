@@ -17,7 +17,7 @@ use crate::{
         Channel, DisplayProfile, Measurement, Viewing,
         photometer::{Calibration, Patch, largest_percent, patches},
     },
-    report::{calibration::tables, figures},
+    report::figures,
     store::readings,
 };
 
@@ -96,7 +96,7 @@ impl Findings for PhotometerFindings {
         let readings = readings::open(path).map_err(|errors| errors.to_string())?;
         let calibration = Calibration::new(&readings);
         let figure = FigureView::new(figures::calibration(&calibration, calibration.chosen));
-        let tables = tables(&calibration).map(TableView::new);
+        let tables = figures::calibration_tables(&calibration).map(TableView::new);
         Ok(Self { calibration, figure, tables })
     }
 

@@ -12,8 +12,7 @@ use crate::{
     },
     display::{
         DisplayProfile,
-        profile::short,
-        steps::{Step, steps},
+        profile::{Step, short, steps},
     },
     light::{CodeImage, Samples},
     report::document::{Shown, TableOf, TextTable},

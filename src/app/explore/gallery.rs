@@ -275,7 +275,7 @@ impl Gallery {
             self.saving.export(ui, "Export", path, &["png", "csv"], |writer, ending| {
                 let (recipe, quantizer) = (&shown.recipe, shown.recipe.quantizer());
                 match ending {
-                    "csv" => writer.write(path, &store::curve::table(recipe, &quantizer).csv()),
+                    "csv" => writer.write(path, &recipe.profile(&quantizer).csv()),
                     _ => store::image::write_recipe(writer, path, recipe, &quantizer),
                 }
             });
@@ -432,7 +432,7 @@ fn curves(recipe: &Recipe, quantizer: &Quantizer) -> [Trace; 2] {
     let strongest = recipe.stimulus.strongest_channel();
     let light = recipe.stimulus.profile(SAMPLES);
     let at = |i: u32| [place(i, SAMPLES), f64::from(light[i as usize][strongest])];
-    let table = store::curve::table(recipe, quantizer);
+    let table = recipe.profile(quantizer);
     let [x, emitted] = ["x", "emitted"].map(|name| table.column(name).map_or(&[][..], |column| &column.cells));
     let emitted = x.iter().zip(emitted).filter_map(|(x, light)| Some([x.as_number()?, light.as_number()?]));
     [(0..SAMPLES).map(at).collect(), emitted.collect()]

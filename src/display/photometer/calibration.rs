@@ -3,10 +3,8 @@
 use serde::Serialize;
 
 use super::{
-    checks::{Sum, additivity, drift_percent},
-    fit::{ASSUMED_NOISE, Curve, Family, Fit, Sample, fit},
-    readings::Readings,
-    table::tables,
+    fit::{ASSUMED_NOISE, Curve, Family, Fit, Sample, fit, tables},
+    readings::{Readings, additivity, drift_percent},
 };
 use crate::{
     display::{
@@ -55,8 +53,6 @@ pub struct Validation {
 pub struct FittedModel {
     /// The family of its curves.
     pub family: Family,
-    /// True if the channels share one shape.
-    pub common_shape: bool,
     /// The channels that were read, in the order of [`Readings::channels`].
     pub channels: Vec<FittedChannel>,
     /// How well the model predicts levels that are left out.
@@ -91,8 +87,8 @@ pub struct Calibration {
     pub models: Vec<FittedModel>,
     /// The model to use: the one that cross-validation prefers.
     pub chosen: Family,
-    /// Gray compared with the sum of the channels, level by level, if all were read.
-    pub additivity: Vec<Sum>,
+    /// How far gray is from the sum of the channels, in percent, level by level, if all were read.
+    pub additivity: Vec<f64>,
     /// Change of white during the measurement in percent, if it was read repeatedly.
     pub drift_percent: Option<f64>,
     /// Warnings that do not prevent the profile from being used.
@@ -186,7 +182,6 @@ fn model(family: Family, sample: &Sample) -> FittedModel {
     let channels = sample.channels.iter().zip(&fit.curves).zip(&fit.gamma_se);
     FittedModel {
         family,
-        common_shape: variants[best],
         channels: channels.map(|((channel, curve), se)| fitted_channel(sample, *channel, curve, *se)).collect(),
         validation: validation.clone(),
         misfit: ASSUMED_NOISE * square.sqrt(),
@@ -263,7 +258,7 @@ fn notes(calibration: &Calibration) -> Vec<String> {
     if !unread.is_empty() {
         notes.push(format!("{} not measured: assumed to have the curve of gray", unread.join(", ")));
     }
-    let white = calibration.additivity.last().map(Sum::deviation_percent);
+    let white = calibration.additivity.last().copied();
     if let Some(percent) = white.filter(|percent| percent.abs() > ADDITIVE_PERCENT) {
         notes.push(format!(
             "channels not additive: white differs from red + green + blue by {percent:+.1} %; colors other than grays will be off (limit {ADDITIVE_PERCENT} %)"

@@ -9,12 +9,12 @@
 //! much the same differences.
 
 mod calibration;
-mod checks;
 mod fit;
 mod readings;
-mod table;
 
 pub use calibration::{Calibration, FittedChannel, FittedModel, Validation};
-pub use checks::{ErrorLocation, MIN_LEVELS, ReadingsError, Sum, additivity, drift_percent, largest_percent};
 pub use fit::{Curve, Family};
-pub use readings::{LevelMean, Patch, Reading, Readings, is_same_level, patches};
+pub use readings::{
+    ErrorLocation, LevelMean, MIN_LEVELS, Patch, Reading, Readings, ReadingsError, additivity, drift_percent,
+    is_same_level, largest_percent, patches,
+};

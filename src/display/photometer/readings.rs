@@ -1,8 +1,12 @@
-//! The patches, in the order in which they are shown, and their readings: one luminance per patch.
+//! The patches, in the order in which they are shown, and their readings: one luminance per patch. Readings are checked,
+//! whether they are plausible for a display and agree with each other.
 
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
 
-use crate::{display::channel::Channel, statistics::shuffle};
+use crate::{
+    display::{channel::Channel, profile::LuminanceRange},
+    statistics::shuffle,
+};
 
 /// One reading of one patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -134,4 +138,205 @@ pub fn patches(channels: &[Channel], levels: usize, repeats: usize) -> Result<Ve
         }
     }
     Ok(patches)
+}
+
+/// Minimum number of levels per channel, including 0 and 1.
+pub const MIN_LEVELS: usize = 5;
+/// The decrease that noise could explain: a share of the reading, steps of the photometer, and a share of the maximum
+/// light.
+const NOISE_FALL: (f64, f64, f64) = (0.05, 3.0, 5e-5);
+/// The light has stopped rising at the top if its exponent there, which is 1 on a linear screen, is less than this. Levels
+/// nearer to 1 than the second number do not tell it from noise.
+const STOPPED: (f64, f64) = (0.35, 0.05);
+/// The ratio by which the channel that should be dimmer must be brighter to indicate swapped channels.
+const SWAPPED: f64 = 1.05;
+
+/// The readings to which an error refers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ErrorLocation {
+    /// The level of one reading, by its index.
+    Level(usize),
+    /// The luminance of one reading, by its index.
+    Luminance(usize),
+    /// All readings.
+    All,
+}
+
+/// Why a profile cannot be made from the readings: where the error is, and what it is and what is expected instead.
+pub type ReadingsError = (ErrorLocation, String);
+
+impl Readings {
+    /// Checks readings, given in the order in which they were taken.
+    ///
+    /// # Errors
+    /// Returns all errors in single readings. If there are none, returns all errors from the first check of the whole
+    /// set that fails.
+    pub fn new(readings: Vec<Reading>) -> Result<Self, Vec<ReadingsError>> {
+        let mut errors = reading_errors(&readings);
+        let readings = Self::unchecked(readings);
+        // Each check relies on the previous one.
+        for check in [set_errors, curve_errors, order_errors] {
+            if errors.is_empty() {
+                errors = check(&readings);
+            }
+        }
+        if errors.is_empty() { Ok(readings) } else { Err(errors) }
+    }
+
+    /// Says for each channel how far the light rises at the top, where it rises too little for a screen.
+    pub fn hardly_rising(&self) -> Vec<String> {
+        let said = |channel: &Channel| {
+            let (means, (exponent, apart)) = (self.means(*channel), STOPPED);
+            let (white, below) = (means.last()?, means.iter().rfind(|one| one.level <= 1.0 - apart)?);
+            let [top, light] = [white, below].map(|at| at.luminance_cd_m2 - self.black_cd_m2());
+            let percent = 100.0 * (white.luminance_cd_m2 / below.luminance_cd_m2 - 1.0);
+            let level = (1e4 * below.level).round() / 1e4;
+            let is_flat = (top / light).ln() < exponent * below.level.recip().ln();
+            is_flat.then(|| format!("{channel}: the light rises by only {percent:.1} % above level {level}"))
+        };
+        self.channels().iter().filter_map(said).collect()
+    }
+}
+
+/// Returns the errors in single readings.
+fn reading_errors(readings: &[Reading]) -> Vec<ReadingsError> {
+    let [darkest, brightest] = LuminanceRange::WHITE_CD_M2;
+    let mut errors = Vec::new();
+    for (index, Reading { level, luminance_cd_m2: light, .. }) in readings.iter().enumerate() {
+        if !(0.0..=1.0).contains(level) {
+            let message = format!("level {level} is outside 0…1; expected the code divided by the largest code");
+            errors.push((ErrorLocation::Level(index), message));
+        }
+        if !(0.0..=brightest).contains(light) {
+            let message = format!("luminance {light} is not that of a screen; expected cd/m², 0 to {brightest}");
+            errors.push((ErrorLocation::Luminance(index), message));
+        }
+    }
+    if readings.is_empty() {
+        let message =
+            format!("there are no readings; expected red, green and blue, or gray, at {MIN_LEVELS} levels or more");
+        errors.push((ErrorLocation::All, message));
+    } else if readings.iter().all(|one| one.luminance_cd_m2 < darkest) {
+        let message = format!(
+            "every reading is below {darkest} cd/m²; expected light: is the photometer on the screen, and is its cap off?"
+        );
+        errors.push((ErrorLocation::All, message));
+    }
+    errors
+}
+
+/// Returns an error for each missing channel or level.
+fn set_errors(readings: &Readings) -> Vec<ReadingsError> {
+    let expected = "expected red, green and blue, or gray, each from level 0 to 1";
+    let read = readings.channels();
+    let mut messages = Vec::new();
+    if !read.contains(&Channel::Gray) && read.len() < 3 {
+        let names: Vec<&str> = read.iter().map(|channel| channel.name()).collect();
+        messages.push(format!("only these channels were read: {}; {expected}", names.join(", ")));
+    }
+    if !readings.all().iter().any(|one| one.level == 0.0) {
+        messages.push("no reading at level 0; expected the screen's black, where every curve starts".to_owned());
+    }
+    for channel in read {
+        let means = readings.means(*channel);
+        if means.len() < MIN_LEVELS {
+            messages.push(format!(
+                "{channel}: too few levels: {}; expected {MIN_LEVELS} or more (9 are good, 17 better), including 0 and 1",
+                means.len()
+            ));
+        }
+        if let Some(LevelMean { level, .. }) = means.last().filter(|last| last.level != 1.0) {
+            messages.push(format!(
+                "{channel}: no reading at level 1 (the highest is {level}); expected the maximum luminance of the \
+                    channel"
+            ));
+        }
+    }
+    messages.into_iter().map(|message| (ErrorLocation::All, message)).collect()
+}
+
+/// Returns an error for each channel whose light falls, or does not rise at all.
+fn curve_errors(readings: &Readings) -> Vec<ReadingsError> {
+    let black_cd_m2 = readings.black_cd_m2();
+    let (share, steps, of_largest) = NOISE_FALL;
+    let still = steps * readings.resolution_cd_m2() + of_largest * readings.largest_cd_m2();
+    let mut errors = Vec::new();
+    for channel in readings.channels() {
+        let means = readings.means(*channel);
+        let white_cd_m2 = means.last().map_or(0.0, |white| white.luminance_cd_m2);
+        if white_cd_m2 <= black_cd_m2 * (1.0 + share) + still {
+            let message = format!(
+                "{channel}: level 1 gives {white_cd_m2} cd/m², no more than black ({black_cd_m2} cd/m²); expected light"
+            );
+            errors.push((ErrorLocation::All, message));
+            continue;
+        }
+        let falls = |pair: &&[LevelMean]| pair[1].luminance_cd_m2 < pair[0].luminance_cd_m2 * (1.0 - share) - still;
+        for pair in means.windows(2).filter(falls) {
+            let [(lower, lower_cd_m2), (upper, upper_cd_m2)] =
+                [pair[0], pair[1]].map(|at| (at.level, at.luminance_cd_m2));
+            let message = format!(
+                "{channel}: not monotone: level {upper} gives {upper_cd_m2} cd/m², less than the {lower_cd_m2} cd/m² of level {lower}; expected more light at every higher level: measure both again"
+            );
+            errors.push((ErrorLocation::All, message));
+        }
+    }
+    errors
+}
+
+/// Returns an error if the channels' luminances at level 1 are not in the order gray > green > red > blue.
+fn order_errors(readings: &Readings) -> Vec<ReadingsError> {
+    let falling = [Channel::Gray, Channel::Green, Channel::Red, Channel::Blue];
+    let whites: Vec<(Channel, f64)> = (falling.into_iter())
+        .filter_map(|channel| Some((channel, readings.means(channel).last()?.luminance_cd_m2)))
+        .collect();
+    if whites.windows(2).all(|pair| pair[1].1 <= pair[0].1 * SWAPPED) {
+        return Vec::new();
+    }
+    let each: Vec<String> = whites.iter().map(|(channel, light)| format!("{channel} {light}")).collect();
+    let message = format!(
+        "swapped channels: level 1 gives {} cd/m²; expected more light from gray than from green, from green than from red, and from red than from blue, as on every screen",
+        each.join(", ")
+    );
+    vec![(ErrorLocation::All, message)]
+}
+
+/// Returns the difference of gray from red + green + blue − 2·black, in percent of gray, at every level above 0 at which all
+/// four were read, from dark to light.
+pub fn additivity(readings: &Readings) -> Vec<f64> {
+    let [red, green, blue, gray] = Channel::ALL.map(|channel| readings.means(channel));
+    let black = readings.black_cd_m2();
+    let percent = |gray: &LevelMean| {
+        let at = |means: &[LevelMean]| {
+            means.iter().find(|mean| is_same_level(mean.level, gray.level)).map(|mean| mean.luminance_cd_m2)
+        };
+        let sum_cd_m2 = at(&red)? + at(&green)? + at(&blue)? - 2.0 * black;
+        Some(100.0 * (gray.luminance_cd_m2 - sum_cd_m2) / gray.luminance_cd_m2)
+    };
+    gray.iter().filter(|gray| gray.level > 0.0 && gray.luminance_cd_m2 > 0.0).filter_map(percent).collect()
+}
+
+/// Returns the number farthest from 0; 0 if there is none.
+pub fn largest_percent(percents: &[f64]) -> f64 {
+    percents.iter().copied().max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(0.0)
+}
+
+/// Returns the change of white over the measurement in percent of its mean, from a straight line fitted to all readings
+/// of white; `None` unless level 1 of some channel was read at least three times, spread over the measurement.
+pub fn drift_percent(readings: &Readings) -> Option<f64> {
+    let all = readings.all();
+    let whites = |channel: &Channel| -> Vec<(f64, f64)> {
+        let at = all.iter().enumerate().filter(|(_, one)| one.channel == *channel && one.level == 1.0);
+        at.map(|(index, one)| (index as f64, one.luminance_cd_m2)).collect()
+    };
+    let whites = readings.channels().iter().map(whites).max_by_key(Vec::len)?;
+    let n = whites.len() as f64;
+    if n < 3.0 || whites.first()?.0 + n > whites.last()?.0 {
+        return None;
+    }
+    let mean = |of: fn(&(f64, f64)) -> f64| whites.iter().map(of).sum::<f64>() / n;
+    let (x, y) = (mean(|white| white.0), mean(|white| white.1));
+    let spread: f64 = whites.iter().map(|white| (white.0 - x).powi(2)).sum();
+    let slope = whites.iter().map(|white| (white.0 - x) * (white.1 - y)).sum::<f64>() / spread;
+    Some(100.0 * slope * (all.len() - 1) as f64 / y)
 }

@@ -2,13 +2,11 @@
 //! formats its numbers as in a paper.
 
 pub mod numbers;
-mod shown;
 
 pub use numbers::{
-    count, either, fixed, list, mean, p_is, percent, probability, range, ratio, short_list, significant, times, unit,
-    whole, whole_percent, with_interval,
+    Shown, count, either, fixed, list, mean, p_is, percent, probability, range, ratio, short_list, significant, times,
+    unit, whole, whole_percent, with_interval,
 };
-pub use shown::Shown;
 
 use crate::{report::figures::Figure, store::FileError};
 

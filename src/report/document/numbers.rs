@@ -1,8 +1,9 @@
 //! Formats numbers as readers expect them: with reasonable precision, thousands separators, and no leading zero in a
-//! probability. A dash stands for a missing number.
+//! probability. A dash stands for a missing number. The value remains with what is shown, and tables are sorted by it.
 
-use super::shown::Shown;
-use crate::statistics::Interval;
+use std::{fmt, ops::Deref};
+
+use crate::{statistics::Interval, text::Cell};
 
 /// A no-break space.
 pub const NBSP: &str = "\u{a0}";
@@ -161,4 +162,57 @@ pub fn short_list<S: AsRef<str>>(items: &[S], most: usize) -> String {
     }
     let shown: Vec<&str> = items[..most].iter().map(AsRef::as_ref).collect();
     format!("{} and {} more", shown.join(", "), whole((items.len() - most) as u64))
+}
+
+/// A formatted value. It is used like the text that it shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shown {
+    text: String,
+    value: Cell,
+}
+
+impl Shown {
+    /// Shows a value as this text.
+    pub fn new(value: impl Into<Cell>, text: impl Into<String>) -> Self {
+        Self { text: text.into(), value: value.into() }
+    }
+
+    /// Returns what is shown.
+    pub fn value(&self) -> &Cell {
+        &self.value
+    }
+}
+
+impl Deref for Shown {
+    type Target = str;
+
+    fn deref(&self) -> &str {
+        &self.text
+    }
+}
+
+impl AsRef<str> for Shown {
+    fn as_ref(&self) -> &str {
+        self
+    }
+}
+
+impl fmt::Display for Shown {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self)
+    }
+}
+
+impl PartialEq<&str> for Shown {
+    fn eq(&self, other: &&str) -> bool {
+        self.text == *other
+    }
+}
+
+impl<T: Into<String>> From<T> for Shown {
+    /// Shows a text.
+    fn from(text: T) -> Self {
+        let text = text.into();
+        Self { value: Cell::from(text.as_str()), text }
+    }
 }

@@ -1,16 +1,24 @@
-//! Charts of a display: its calibration readings with the chosen curves, and its frame intervals.
+//! Charts of a display, its calibration readings with the chosen curves and its frame intervals; the tables of its
+//! calibration; and a coarse picture of a stimulus.
 
 use super::{
     axes::{EDGE, MARKER, PANEL, Values, below, beside, legend, number_axis},
-    figure::Figure,
     labels::TEXT,
-    palette::{BLACK, BLUE, GREEN, Marker, Series, Stroke, VERMILION},
-    svg::WIDTH,
+    palette::{BLACK, BLUE, GREEN, Marker, Rgb, Series, Stroke, VERMILION},
+    svg::{Figure, WIDTH},
 };
-use crate::display::{
-    Channel,
-    frames::Refresh,
-    photometer::{Calibration, Family, FittedChannel},
+use crate::{
+    display::{
+        Channel,
+        frames::Refresh,
+        photometer::{Calibration, Family, FittedChannel},
+    },
+    experiment::{Factor, Protocol},
+    light::{Bits, Quantizer, Transfer},
+    report::{
+        document::{Shown, TableOf, TextTable, list},
+        names,
+    },
 };
 
 /// Number of line segments in a curve.
@@ -40,6 +48,42 @@ pub fn calibration(calibration: &Calibration, family: Family) -> Figure {
         }
         legend(svg, &panel, "", &channels, true);
     })
+}
+
+/// Returns the fitted models, channel by channel, and how well each predicts levels that were left out.
+pub fn calibration_tables(calibration: &Calibration) -> [TextTable; 2] {
+    let models = &calibration.models;
+    let channels = models.iter().flat_map(|model| model.channels.iter().map(|channel| (model.family, channel)));
+    let channels: Vec<(Family, &FittedChannel)> = channels.collect();
+    let fits = TableOf::new("Fitted models", &channels)
+        .text("model", |(family, _)| family.name())
+        .text("channel", |(_, own)| own.channel.name())
+        .number("gamma", |(_, own)| {
+            let se = own.gamma_se.map_or_else(String::new, |se| format!(" ± {se:.4}"));
+            known(own.curve.gamma(), &|gamma| format!("{gamma:.4}{se}"))
+        })
+        .number("gain", |(_, own)| known(own.curve.gain_and_offset().map(|both| both.0), &|gain| format!("{gain:.4}")))
+        .number("offset", |(_, own)| {
+            // Adding 0 turns −0 into 0.
+            let text = |offset: f64| format!("{:+.4}", (1e4 * offset).round() / 1e4 + 0.0);
+            known(own.curve.gain_and_offset().map(|both| both.1), &text)
+        })
+        .number("R²", |(_, own)| decimals(own.r_squared, 6))
+        .number("largest codes", |(_, own)| decimals(own.largest_codes, 2));
+    let validation = TableOf::new("Leave-one-level-out error", models)
+        .text("model", |model| model.family.name())
+        .number("rms codes", |model| decimals(model.validation.rms_codes, 2));
+    [fits.into(), validation.into()]
+}
+
+/// Formats a number with this many decimals.
+fn decimals(number: f64, decimals: usize) -> Shown {
+    Shown::new(number, format!("{number:.decimals$}"))
+}
+
+/// Formats a number if it is known.
+fn known(value: Option<f64>, text: &dyn Fn(f64) -> String) -> Shown {
+    Shown::new(value, value.map_or_else(|| "—".to_owned(), text))
 }
 
 /// Returns the palette color that is closest to a channel's, with a marker and a dash pattern.
@@ -74,4 +118,38 @@ pub fn intervals(intervals_us: &[u32], refresh: Option<Refresh>) -> Figure {
             svg.circle((panel.x(frame as f64 / (last - 1.0)), panel.y(f64::from(*us) * 1e-3)), 1.6, BLUE);
         }
     })
+}
+
+/// Squares across and down.
+const SQUARES: u32 = 64;
+/// Side of a square.
+const SIDE: f64 = 6.0;
+
+/// Draws `stimulus`: that of the first condition of a definition, unless it is a file of the study that was not read.
+pub fn stimulus(protocol: &Protocol) -> Option<Figure> {
+    let condition = protocol.conditions().first().filter(|condition| condition.stimulus.is_drawable())?;
+    let known = Some(protocol.stimulus.parameters());
+    let level = |(factor, level): (&Factor, &usize)| {
+        let level = names::level(known, &factor.name, &factor.levels[*level].to_string());
+        format!("{} {level}", names::factor(known, &factor.name))
+    };
+    let levels: Vec<String> = protocol.factors.iter().zip(&condition.levels).map(level).collect();
+    let which = if levels.is_empty() { String::new() } else { format!(" at {}", list(&levels)) };
+    let caption = format!("The stimulus of the first condition{which}, in {SQUARES} × {SQUARES} squares.");
+    let codes = condition.stimulus.codes(SQUARES, &Quantizer::new(Transfer::Srgb, Bits::Eight));
+    let color = |[r, g, b]: [u16; 3]| Rgb(r as u8, g as u8, b as u8);
+    let left = ((WIDTH - f64::from(SQUARES) * SIDE) / 2.0).round();
+    let height = f64::from(SQUARES) * SIDE + 2.0 * EDGE;
+    Some(Figure::draw("stimulus", "A stimulus".to_owned(), caption, height, |svg| {
+        for x in 0..SQUARES {
+            let column: Vec<Rgb> = (0..SQUARES).map(|y| color(codes.pixel(x, y))).collect();
+            let (from, mut top) = (left + f64::from(x) * SIDE, EDGE);
+            // Squares of one color are one rectangle.
+            for run in column.chunk_by(|a, b| a == b) {
+                let bottom = top + run.len() as f64 * SIDE;
+                svg.rectangle((from, top), (from + SIDE, bottom), run[0]);
+                top = bottom;
+            }
+        }
+    }))
 }

@@ -2,11 +2,10 @@
 
 use super::{
     axes::{EDGE, MARKER, PANEL, Values, below, beside, legend, number_axis, told},
-    figure::Figure,
     labels::{TEXT, some_of},
-    means::{Line, draw},
     palette::Series,
-    svg::WIDTH,
+    ratings::{Line, draw},
+    svg::{Figure, WIDTH},
 };
 use crate::{
     analysis::{Coefficient, Results},

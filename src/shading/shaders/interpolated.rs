@@ -1,8 +1,12 @@
-//! Light that is constant or a polynomial over a triangle.
+//! The shaders without strips: light that is constant or a polynomial over a triangle, and light at every pixel, with the
+//! colors and normals of a painted mesh there.
 
 use glam::DVec3;
 
-use crate::shading::frame::Frame;
+use crate::shading::{
+    frame::{Field, Frame, FrameVertex, Patches},
+    mesh::{Coat, PaintedCorner},
+};
 
 /// For each corner, the other two, in order.
 pub const OTHERS: [(usize, usize); 3] = [(1, 2), (2, 0), (0, 1)];
@@ -35,4 +39,77 @@ pub fn bulges(frame: &Frame, triangle: usize) -> [DVec3; 3] {
         let normal = (corners[i].normal + corners[j].normal).normalize_or_zero();
         4.0 * (frame.lit(place, normal) - (corners[i].light + corners[j].light) / 2.0)
     })
+}
+
+impl Frame {
+    /// Returns the light at the weights `w` of a triangle, at a position with a unit normal and a unit vector toward the
+    /// viewer, all in eye space.
+    fn pixel(&self, triangle: usize, w: [f64; 3], position: DVec3, normal: DVec3, to_viewer: DVec3) -> DVec3 {
+        let (color, normal) = match self.paint_at(triangle, w) {
+            Some((coat, mut corner)) => {
+                // The back's normal is reversed; its textures stay where they are.
+                let side = if self.triangles[triangle].is_back { -1.0 } else { 1.0 };
+                let tangent = self.view.rotation * corner.tangent.truncate();
+                corner.tangent = tangent.extend(side * corner.tangent.w);
+                (coat.color(&corner), coat.normal(&corner, normal))
+            }
+            None => (DVec3::ONE, normal),
+        };
+        self.lighting.painted(position, normal, to_viewer, color)
+    }
+
+    /// Returns the color of the paint, if there is any, at the weights `w` of a triangle.
+    pub(super) fn paint_color(&self, triangle: usize, w: [f64; 3]) -> Option<DVec3> {
+        self.paint_at(triangle, w).map(|(coat, corner)| coat.color(&corner))
+    }
+
+    /// Interpolates the paint at the corners of a triangle with correction for perspective.
+    fn paint_at(&self, triangle: usize, w: [f64; 3]) -> Option<(&Coat, PaintedCorner)> {
+        let (paint, drawn) = (self.paint.as_deref()?, &self.triangles[triangle]);
+        let [a, b, c] = paint.corners[drawn.of_mesh as usize];
+        let corners = if drawn.is_back { [a, c, b] } else { [a, b, c] };
+        let near = self.corners(triangle).map(|v| self.view.nearness(v.eye.z));
+        let weights = [0, 1, 2].map(|k| w[k] * near[k]);
+        let sum: f64 = weights.iter().sum();
+        let mean = PaintedCorner::mean(&corners, weights.map(|weight| weight / sum));
+        Some((&paint.coats[paint.of_triangles[drawn.of_mesh as usize] as usize], mean))
+    }
+}
+
+/// Phong interpolates the normal and lights every pixel, Shoaff §3.4. The surface has the normalized normal Σ a_i·N_i at
+/// the position Σ a_i·P_i, where a_i are the weights on the flat triangle: as on graphics cards, w_i/z_i divided by their
+/// sum, with the weights w_i on the screen and the distances z_i from the eye's plane.
+pub fn phong(frame: &Frame, triangle: usize, w: [f64; 3]) -> DVec3 {
+    let [a, b, c] = frame.corners(triangle);
+    let near = |v: &FrameVertex| frame.view.nearness(v.eye.z);
+    let on_surface = [w[0] * near(a), w[1] * near(b), w[2] * near(c)];
+    let normal = weighted(on_surface, [a.normal, b.normal, c.normal]).normalize_or_zero();
+    let far = 1.0 / (on_surface[0] + on_surface[1] + on_surface[2]);
+    let place = weighted(on_surface, [a.eye, b.eye, c.eye]) * far;
+    frame.pixel(triangle, w, place, normal, frame.view.to_viewer(place))
+}
+
+/// New in machband: Phong's lighting at every pixel, with normals that change with a continuous slope: the reduced
+/// Clough–Tocher cubics of [`Patches`], normalized.
+///
+/// The line of sight through a pixel is known exactly, so the direction to the eye is smooth. The position on it
+/// matters only if a lamp is near. It then comes from a cubic of z, because the depths of flat triangles bend at their
+/// edges.
+pub fn c1_phong(frame: &Frame) -> impl Fn(usize, [f64; 3]) -> DVec3 + Send + Sync + '_ {
+    let places = frame.lighting.has_near_lamps().then(|| Patches::new(frame, Field::Position));
+    let normals = Patches::new(frame, Field::Normal);
+    // Where the line of sight to each vertex meets the plane z = 0.
+    let sights: Vec<DVec3> = frame.vertices.iter().map(|v| frame.view.sight(v.screen).extend(0.0)).collect();
+    move |triangle, w| {
+        let normal = normals.value(triangle, w).normalize_or_zero();
+        let mut place = weighted(w, frame.triangles[triangle].vertices.map(|v| sights[v as usize]));
+        let to_viewer = frame.view.to_viewer(place);
+        if let Some(places) = &places {
+            place.z = places.value(triangle, w).z;
+            // A parallel projection moves only z; a perspective one moves along the line of sight.
+            let nearer = 1.0 - place.z / frame.view.distance;
+            (place.x, place.y) = (place.x * nearer, place.y * nearer);
+        }
+        frame.pixel(triangle, w, place, normal, to_viewer)
+    }
 }

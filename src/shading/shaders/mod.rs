@@ -3,21 +3,17 @@
 //!
 //! `kernel`, below, lists the shaders.
 
-mod corrections;
+mod bangay;
 mod interpolated;
-mod phong;
 mod shade;
-mod strips;
 
 pub use shade::{Correction, Shade, Shader};
 
 use glam::DVec3;
 
 use self::{
-    corrections::Corrections,
-    interpolated::{bulges, flat, quadratic, weighted},
-    phong::{c1_phong, phong},
-    strips::{Curve, Slope, Strips},
+    bangay::{Corrections, Curve, Slope, Strips},
+    interpolated::{bulges, c1_phong, flat, phong, quadratic, weighted},
 };
 use crate::shading::frame::{Field, Frame, Patches};
 

@@ -118,11 +118,17 @@ impl Faces {
     }
 }
 
-/// Returns the linear light of an sRGB color, 0…1.
-pub(super) fn linear(color: DVec3) -> DVec3 {
+/// Said of a file in which a color of a vertex is above 1.
+pub(super) const COLORS_ARE_CODES: &str = "colors above 1 are taken as codes of 8 bits";
+
+/// Returns the paint of a vertex with this sRGB color, from 0 to 1, or from 0 to 255 if the `largest` number of the file's
+/// colors is above 1.
+pub(super) fn paint(color: Option<DVec3>, largest: f64) -> PaintedCorner {
+    let full = if largest > 1.0 { 255.0 } else { 1.0 };
     // NaN counts as 0.
-    let channel = |code: f64| Transfer::Srgb.linear_from_encoded(if code > 0.0 { code.min(1.0) } else { 0.0 });
-    DVec3::from_array(color.to_array().map(channel))
+    let channel = |code: f64| Transfer::Srgb.linear_from_encoded(if code > 0.0 { (code / full).min(1.0) } else { 0.0 });
+    let color = color.map_or(DVec3::ONE, |color| DVec3::from_array(color.to_array().map(channel)));
+    PaintedCorner { color, ..PaintedCorner::default() }
 }
 
 /// Returns the triangles of a strip, every other one of which goes around the other way.

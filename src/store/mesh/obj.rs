@@ -8,9 +8,9 @@ use std::{borrow::Cow, collections::BTreeSet};
 
 use glam::DVec3;
 
-use super::faces::{Faces, MAX_CORNERS, linear};
+use super::faces::{COLORS_ARE_CODES, Faces, MAX_CORNERS, paint};
 use crate::{
-    shading::{Coat, PaintedCorner, mesh::MAX_COORDINATE},
+    shading::{Coat, mesh::MAX_COORDINATE},
     store::{FileError, FileErrors, table::shortened},
 };
 
@@ -66,7 +66,7 @@ struct Reader {
     counts: [usize; 2],
     vertices: Vec<DVec3>,
     /// The color of each vertex, as it is written; empty until a vertex has one.
-    colors: Vec<DVec3>,
+    colors: Vec<Option<DVec3>>,
     /// The normals; `None` for a normal that is zero or not finite.
     normals: Vec<Option<DVec3>>,
     /// The corners of all faces, each with its vertex and its normal, from 0.
@@ -119,8 +119,8 @@ impl Reader {
             && color.len() >= 3
         {
             let color = three_numbers(text, color)?;
-            self.colors.resize(self.vertices.len() - 1, DVec3::ONE);
-            self.colors.push(color);
+            self.colors.resize(self.vertices.len() - 1, None);
+            self.colors.push(Some(color));
         }
         match vertex?.to_array().iter().zip(words).find(|(x, _)| x.is_nan() || x.abs() > MAX_COORDINATE) {
             Some((_, word)) => {
@@ -178,20 +178,16 @@ impl Reader {
     fn faces(self) -> Faces {
         let mut faces = Faces::default();
         faces.notes.extend(self.notes.into_iter().map(str::to_owned));
-        // Some programs write the codes of 8 bits.
-        let most = self.colors.iter().map(|color| color.max_element()).fold(0.0, f64::max);
-        let codes = (most > 1.0).then(|| "colors above 1 are taken as codes of 8 bits".to_owned());
-        let scale = if codes.is_some() { 1.0 / 255.0 } else { 1.0 };
-        faces.notes.extend(codes);
+        let largest = self.colors.iter().flatten().map(|color| color.max_element()).fold(0.0, f64::max);
+        faces.notes.extend((largest > 1.0).then(|| COLORS_ARE_CODES.to_owned()));
         let coat = (!self.colors.is_empty()).then_some(0);
         let mut start = 0;
         for end in self.ends {
             let corners = self.corners[start..end].iter();
             let corners: Vec<_> = corners
                 .map(|(vertex, normal)| {
-                    let color = self.colors.get(*vertex).map_or(DVec3::ONE, |color| linear(*color * scale));
-                    let paint = PaintedCorner { color, ..PaintedCorner::default() };
-                    (faces.site(self.vertices[*vertex]), normal.and_then(|n| self.normals[n]), paint)
+                    let color = self.colors.get(*vertex).copied().flatten();
+                    (faces.site(self.vertices[*vertex]), normal.and_then(|n| self.normals[n]), paint(color, largest))
                 })
                 .collect();
             faces.add(corners, coat);

@@ -1,7 +1,8 @@
 //! Reads PLY files (Stanford polygon files), as text and in binary.
 //!
 //! The reader uses the positions, normals and colors of the vertices, and the faces or triangle strips. Colors are sRGB,
-//! as scanners write them. Other elements and properties are ignored.
+//! as scanners write them: codes, or numbers from 0 to 1, or from 0 to 255 if any is above 1. Other elements and properties
+//! are ignored.
 
 use std::io::ErrorKind;
 
@@ -11,9 +12,9 @@ use ply_rs_bw::{
     ply::{ElementDef, Encoding, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType},
 };
 
-use super::faces::{Faces, MAX_CORNERS, linear, strip_triangles};
+use super::faces::{COLORS_ARE_CODES, Faces, MAX_CORNERS, paint, strip_triangles};
 use crate::{
-    shading::{Coat, PaintedCorner, mesh::MAX_COORDINATE},
+    shading::{Coat, mesh::MAX_COORDINATE},
     store::{FileError, FileErrors, table::shortened},
 };
 
@@ -197,6 +198,9 @@ pub(super) fn parse(file: &str, content: &[u8]) -> Result<Faces, FileErrors> {
             }
         }
     }
+    if mesh.largest_color > 1.0 {
+        mesh.faces.notes.push(COLORS_ARE_CODES.to_owned());
+    }
     mesh.faces.polygons.coats.push(Coat::default());
     Ok(mesh.faces)
 }
@@ -204,7 +208,9 @@ pub(super) fn parse(file: &str, content: &[u8]) -> Result<Faces, FileErrors> {
 /// What was read so far.
 #[derive(Default)]
 struct PlyMesh {
-    vertices: Vec<(u32, Option<DVec3>, PaintedCorner)>,
+    /// The site, the normal and the color of each vertex, as it is written.
+    vertices: Vec<(u32, Option<DVec3>, Option<DVec3>)>,
+    largest_color: f64,
     faces: Faces,
 }
 
@@ -219,8 +225,9 @@ impl PlyMesh {
         if !position.to_array().iter().all(|x| x.abs() <= MAX_COORDINATE) {
             return Err("has a position that is not finite or is beyond ±1e30; expected finite numbers".to_owned());
         }
-        let paint = PaintedCorner { color: three(6).map_or(DVec3::ONE, linear), ..PaintedCorner::default() };
-        self.vertices.push((self.faces.site(position), three(3).and_then(DVec3::try_normalize), paint));
+        let color = three(6);
+        self.largest_color = self.largest_color.max(color.map_or(0.0, DVec3::max_element));
+        self.vertices.push((self.faces.site(position), three(3).and_then(DVec3::try_normalize), color));
         Ok(())
     }
 
@@ -241,10 +248,14 @@ impl PlyMesh {
     }
 
     fn polygon(&mut self, list: &[i64]) -> Result<(), String> {
+        let missing = |index: &i64| match self.vertices.len() {
+            0 => "comes before the vertices; expected them first".to_owned(),
+            count => format!("refers to vertex {index}, which does not exist; expected 0…{}", count - 1),
+        };
         let corner = |index: &i64| {
             let found = usize::try_from(*index).ok().and_then(|index| self.vertices.get(index));
-            let most = self.vertices.len().saturating_sub(1);
-            found.copied().ok_or_else(|| format!("refers to vertex {index}, which does not exist; expected 0…{most}"))
+            let (site, normal, color) = *found.ok_or_else(|| missing(index))?;
+            Ok((site, normal, paint(color, self.largest_color)))
         };
         let corners = list.iter().map(corner).collect::<Result<Vec<_>, String>>()?;
         self.faces.add(corners, Some(0));

@@ -56,7 +56,11 @@ impl TexturePlace {
 /// # Errors
 /// A sentence without its subject: the content is of neither format, is damaged or has too many pixels.
 pub(super) fn decode(content: &[u8], most: usize) -> Result<Pixels, String> {
-    let pixels = if content.starts_with(b"\x89PNG") { png(content, most) } else { jpeg(content, most) }?;
+    let pixels = match content {
+        [0x89, b'P', b'N', b'G', ..] => png(content, most)?,
+        [0xff, 0xd8, ..] => jpeg(content, most)?,
+        _ => return Err("is neither a PNG nor a JPEG image; expected one of them".to_owned()),
+    };
     let count = u64::from(pixels.width) * u64::from(pixels.height);
     if count == 0 || pixels.codes.len() as u64 != count {
         return Err("is damaged; expected a PNG or JPEG image".to_owned());
@@ -91,7 +95,7 @@ fn png(content: &[u8], most: usize) -> Result<Pixels, String> {
 }
 
 fn jpeg(content: &[u8], most: usize) -> Result<Pixels, String> {
-    let damaged = |error| format!("is not a PNG or JPEG image ({error}); expected one");
+    let damaged = |error: String| format!("is not a JPEG image ({}); expected one", error.trim_end());
     let options = DecoderOptions::default().jpeg_set_out_colorspace(ColorSpace::RGB);
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(content), options);
     decoder.decode_headers().map_err(|error| damaged(error.to_string()))?;

@@ -1,4 +1,6 @@
-//! `machband shade`
+//! `machband stimulus`, `machband stimuli` and `machband shade`
+
+use std::time::Instant;
 
 use super::{Bar, OutPath, count, message, print_line, report_written};
 use crate::{
@@ -8,8 +10,66 @@ use crate::{
     work::{
         RequestError,
         shade::{Metrics, Shade, Wanted},
+        stimuli::RenderAll,
+        stimulus::Render,
     },
 };
+
+/// Write one stimulus as an image, and its luminance profile as a table.
+#[derive(clap::Args)]
+#[command(
+    after_help = "Example: machband stimulus --width 0.2 --depth inf --orientation 45 --out ramp.png --profile ramp.csv"
+)]
+pub(super) struct StimulusArguments {
+    #[command(flatten)]
+    request: Render,
+    /// Where to write the image.
+    #[arg(long, value_name = "FILE.png")]
+    out: Option<OutPath>,
+    /// Where to write the luminance profile through the center, along the orientation.
+    #[arg(long, value_name = "FILE.csv")]
+    profile: Option<OutPath>,
+}
+
+pub(super) fn stimulus(arguments: &StimulusArguments, writer: &Writer) -> anyhow::Result<()> {
+    let StimulusArguments { request, out, profile } = arguments;
+    if out.is_none() && profile.is_none() {
+        let message = "nothing to write; expected --out FILE.png or --profile FILE.csv";
+        return Err(RequestError::whole(message).into());
+    }
+    let bar = Bar::new("images");
+    request.render(out.as_deref(), profile.as_deref(), writer, &bar)?;
+    out.iter().chain(profile).try_for_each(|path| report_written(path))
+}
+
+/// Write an image of every distinct condition of a definition, and a manifest.
+#[derive(clap::Args)]
+#[command(
+    after_help = "Examples: machband stimuli bangay2003 --out stimuli --size 512 --bits 16\n          machband stimuli bangay2003 --out stimuli --shard $SLURM_ARRAY_TASK_ID/$SLURM_ARRAY_TASK_COUNT"
+)]
+pub(super) struct StimuliArguments {
+    #[command(flatten)]
+    request: RenderAll,
+    /// Folder for the images. Images that are already there are kept if they are the same.
+    #[arg(long, value_name = "DIR", value_hint = clap::ValueHint::DirPath)]
+    out: OutPath,
+}
+
+pub(super) fn stimuli(arguments: &StimuliArguments, writer: &Writer) -> anyhow::Result<()> {
+    let started = Instant::now();
+    let bar = Bar::new("images");
+    let rendered = arguments.request.render(&arguments.out, writer, &bar);
+    bar.clear();
+    let rendered = rendered?;
+    print_line(&format!(
+        "{} made, {} kept, in {}, {:.1} s{}",
+        count(rendered.made as u64, "image"),
+        rendered.kept,
+        arguments.out.display(),
+        started.elapsed().as_secs_f64(),
+        if rendered.is_whole { "" } else { "; manifest.csv will be written when every shard is done" }
+    ))
+}
 
 /// Shade a mesh: write its image, measure how smooth its edges are, and how visibly it differs from the smooth surface.
 ///
@@ -20,7 +80,7 @@ use crate::{
 #[command(
     after_help = "Example: machband shade --mesh blob --vertices 313 --shader fixed --depth 3 --boundary 0.2 --out fixed.png --metrics fixed.json"
 )]
-pub(super) struct Arguments {
+pub(super) struct ShadeArguments {
     #[command(flatten)]
     request: Shade,
     /// Where to write the image.
@@ -32,8 +92,8 @@ pub(super) struct Arguments {
     metrics: Option<OutPath>,
 }
 
-pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> {
-    let Arguments { request, out, metrics } = arguments;
+pub(super) fn shade(arguments: &ShadeArguments, writer: &Writer) -> anyhow::Result<()> {
+    let ShadeArguments { request, out, metrics } = arguments;
     let wanted = Wanted { picture: out.is_some(), metrics: metrics.is_some() };
     if wanted == Wanted::default() {
         let message = "nothing to write; expected --out FILE.png or --metrics FILE.json";
