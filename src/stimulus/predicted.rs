@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use super::{
     catalog::Stimulus,
+    mach_band::MachBand,
     parameter::ParameterValue,
     shaded_mesh::emitted,
     viewing::{Judged, ViewingConditions},
@@ -25,8 +26,8 @@ const DETECTION_PX_PER_DEG: f64 = 25.0;
 /// A ramp's plateaus continue at least this far beyond each side of the window, degrees, as far as there is a field around
 /// the eye; the model's picture ends there.
 const PLATEAU_DEG: f64 = 2.0;
-/// Places in each pixel of a line at which its light is averaged.
-const IN_PIXEL: u32 = 8;
+/// Places in each part of a pixel at which its light is averaged.
+const IN_PART: u32 = 8;
 
 /// How visible the Mach bands of a stimulus are.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,6 +61,24 @@ fn oblique_deg(stimulus: &Stimulus) -> f64 {
     let orientation = stimulus.get("orientation_deg").and_then(|value| Cell::from(value).as_number());
     let turned = orientation.unwrap_or(0.0).rem_euclid(90.0);
     turned.min(90.0 - turned)
+}
+
+/// Returns the luminance of each of `size` pixels across a ramp, relative to white: the mean over its parts inside and
+/// outside the ramp, since the light may jump at its ends.
+fn pixels(band: &MachBand, size: u32) -> Vec<f64> {
+    let (profile, side) = (band.ramp(), f64::from(size));
+    let ends = [-0.5, 0.5].map(|end| (end * band.width + 0.5) * side);
+    let part = |from: f64, to: f64| {
+        let at = |k: u32| (from + (to - from) * (f64::from(k) + 0.5) / f64::from(IN_PART)) / side - 0.5;
+        let light = |k| luminance(profile.light_at(at(k)).map(|light| light as f32));
+        if from < to { (to - from) * (0..IN_PART).map(light).sum::<f64>() / f64::from(IN_PART) } else { 0.0 }
+    };
+    let pixel = |i: u32| {
+        let (left, right) = (f64::from(i), f64::from(i + 1));
+        let [first, last] = ends.map(|end| end.clamp(left, right));
+        part(left, first) + part(first, last) + part(last, right)
+    };
+    (0..size).map(pixel).collect()
 }
 
 /// Computes something for each stimulus, once for lines that are alike if one is turned by a right angle or mirrored.
@@ -125,10 +144,8 @@ impl ViewingConditions {
     /// Returns the line of a ramp in cd/m², with its plateaus beyond the window, and the eye that sees it; `None` for other
     /// stimuli.
     fn ramp(&self, stimulus: &Stimulus, size: u32) -> Option<(Vec<f64>, Eye)> {
-        let Stimulus::MachBand(_) = stimulus else { return None };
-        let fine = stimulus.profile(size.saturating_mul(IN_PIXEL));
-        let mean = |pixel: &[[f32; 3]]| pixel.iter().map(|light| luminance(*light)).sum::<f64>() / pixel.len() as f64;
-        let window: Vec<f64> = fine.chunks_exact(IN_PIXEL as usize).map(|pixel| self.cd_m2(mean(pixel))).collect();
+        let Stimulus::MachBand(band) = stimulus else { return None };
+        let window: Vec<f64> = pixels(band, size).into_iter().map(|light| self.cd_m2(light)).collect();
         let (first, last) = (*window.first()?, *window.last()?);
         let least = (PLATEAU_DEG * self.px_per_deg(size)).ceil() as usize;
         let most = ((MAX_DEG * self.px_per_deg(size)) as usize).max(window.len());

@@ -22,7 +22,7 @@ const LOWEST: f64 = 0.125;
 /// Number of bands.
 const BANDS: i32 = 9;
 /// A band is sampled finely enough for frequencies up to this multiple of its own.
-const SAMPLED: f64 = 8.0;
+const SAMPLED: f64 = 10.0;
 
 /// An eye, and all it needs to judge pictures of one size.
 pub struct Judge {
@@ -361,7 +361,9 @@ const REACH: f64 = 1.25;
 const STEPS: i32 = 4;
 /// Edges count with this power of the inverse of their difference, so that the result moves from one to the next without
 /// a jump.
-const NEARNESS: f64 = 12.0;
+const NEARNESS: i32 = 12;
+/// Below this difference, in times threshold, they count alike: nobody can tell them from the ramp.
+const ALIKE: f64 = 0.3;
 /// They are compared at this contrast: what is nearest depends on the shape of the ramp alone.
 const CONTRAST: f64 = 0.5;
 /// The mean logarithm of the distance from the middle of a Gaussian with σ = 1.
@@ -416,12 +418,12 @@ impl RampBands {
         let (about, ramp) = (suitable_blur(&shares, center).min(size), weak(&shares));
         let try_one = |step: i32| {
             let blur = about * REACH.powf(f64::from(step) / f64::from(STEPS));
-            Ok((blur.ln(), judge.unmasked(&ramp, &weak(&edge(blur)))?.map().largest().max(f64::MIN_POSITIVE)))
+            let far = judge.unmasked(&ramp, &weak(&edge(blur)))?.map().largest();
+            Ok((blur.ln(), far.hypot(ALIKE).powi(-NEARNESS)))
         };
         let tried = (-STEPS..=STEPS).map(try_one).collect::<Result<Vec<(f64, f64)>, VisionError>>()?;
-        let least = tried.iter().map(|(_, far)| *far).fold(f64::INFINITY, f64::min);
-        let weighted = tried.iter().map(|(log, far)| (log, (least / far).powf(NEARNESS)));
-        let (sum, weights) = weighted.fold((0.0, 0.0), |(sum, all), (log, weight)| (sum + log * weight, all + weight));
+        let (sum, weights) =
+            tried.iter().fold((0.0, 0.0), |(sum, all), (log, weight)| (sum + log * weight, all + weight));
         let blur = (sum / weights).exp();
         let reference: Vec<f64> = edge(blur).into_iter().map(|share| first + (last - first) * share).collect();
         let difference = judge.difference(light, &reference, None)?;

@@ -1,5 +1,5 @@
 //! The vision model: what must hold for differences and ramps, with the numbers of another implementation (NumPy and
-//! SciPy, the formulas of `docs/models.md`, 64 pixels per degree), and its symmetries.
+//! SciPy, the formulas of `docs/models.md`), and its symmetries.
 
 use machband::{
     light::Depth,
@@ -35,49 +35,48 @@ const DEPTHS: [Depth; 5] = [Depth::Finite(1), Depth::Finite(2), Depth::Finite(3)
 #[test]
 fn ramps_have_the_bands_of_another_implementation() {
     let expected = [
-        (1, 0.2, [1.10, 1.25]),
-        (1, 0.5, [2.57, 3.53]),
-        (1, 1.0, [3.12, 5.27]),
-        (1, 2.0, [2.60, 5.67]),
-        (1, 4.0, [1.71, 4.25]),
-        (1, 8.0, [1.03, 2.72]),
-        (3, 0.5, [0.42, 0.54]),
-        (3, 1.0, [0.60, 0.91]),
-        (3, 2.0, [0.64, 1.22]),
-        (3, 4.0, [0.40, 1.02]),
-        (3, 8.0, [0.20, 0.55]),
+        (1, 0.2, [1.124, 1.279]),
+        (1, 0.5, [2.662, 3.655]),
+        (1, 1.0, [3.261, 5.519]),
+        (1, 2.0, [2.700, 5.918]),
+        (1, 4.0, [1.743, 4.329]),
+        (1, 8.0, [1.018, 2.687]),
+        (3, 0.5, [0.437, 0.560]),
+        (3, 1.0, [0.612, 0.935]),
+        (3, 2.0, [0.649, 1.254]),
+        (3, 4.0, [0.394, 1.012]),
+        (3, 8.0, [0.183, 0.514]),
     ];
     let ramps: Vec<MachBand> = expected.iter().map(|(n, width, _)| ramp(*width, Depth::Finite(*n))).collect();
     for ((n, width, wanted), found) in expected.iter().zip(bands_of(&ramps, None)) {
         for (found, wanted) in [found.bright, found.dark].iter().zip(wanted) {
-            assert!((found / wanted - 1.0).abs() < 0.03, "n = {n}, {width}°: {found}, expected {wanted}");
+            assert!((found / wanted - 1.0).abs() < 0.01, "n = {n}, {width}°: {found}, expected {wanted}");
         }
     }
 }
 
-/// A step has no band, the bands weaken with n at every width, each lies at its end of the ramp, and nothing jumps: the
-/// widths are 2 % apart.
+/// A step has no band, the bands weaken with n at every width, each lies at its end of the ramp, and nothing jumps: what
+/// a band gains from width to width, which are 3 % apart, changes by less than 6 %. Ramps are as narrow as three pixels.
 #[test]
 fn bands_change_smoothly_with_the_width_and_weaken_with_depth() {
     let step = &bands_of(&[ramp(0.0, Depth::Finite(1))], None)[0];
     assert!(step.bright <= 0.02 && step.dark <= 0.02, "{step:?}");
     let uniform = &bands_of(&[MachBand { high: 0.25, ..ramp(1.0, Depth::Finite(1)) }], None)[0];
     assert_eq!([uniform.bright, uniform.dark], [0.0; 2]);
-    let widths = scan(0.15, 8.0, 200);
+    let widths = scan(0.03, 8.0, 200);
     let found = DEPTHS.map(|depth| bands_of(&widths.iter().map(|width| ramp(*width, depth)).collect::<Vec<_>>(), None));
-    let most = found[0].iter().map(|bands| bands.bright).fold(0.0, f64::max);
     for (i, width) in widths.iter().enumerate() {
         for (lower, higher) in found[..4].windows(2).map(|pair| (&pair[0][i], &pair[1][i])) {
             assert!(higher.bright < lower.bright && higher.dark < lower.dark, "{width}°: {lower:?} {higher:?}");
         }
         for (depth, of) in DEPTHS.iter().zip(&found) {
             let [bright, dark] = of[i].at_deg;
-            assert!(dark < 0.0 && 0.0 < bright && bright < 0.75 * width && dark > -0.75 * width, "{:?}", of[i]);
-            if i > 0 {
-                let change = |a: f64, b: f64| (a - b).abs() / b.max(0.05 * most);
-                let (now, before) = (&of[i], &of[i - 1]);
-                let jump = change(now.bright, before.bright).max(change(now.dark, before.dark));
-                assert!(jump < 0.06, "n = {depth}, {width}°: {before:?} {now:?}");
+            let is_inside = |at: f64| *width < 0.15 || (0.0 < at && at < 0.75 * width);
+            assert!(is_inside(bright) && is_inside(-dark), "{:?}", of[i]);
+            if let Some([before, now, after]) = i.checked_sub(1).and_then(|i| of.get(i..i + 3)?.first_chunk()) {
+                let jump = |of: fn(&RampBands) -> f64| (of(before) * of(after) / of(now).powi(2)).ln().abs();
+                let jump = jump(|bands| bands.bright).max(jump(|bands| bands.dark));
+                assert!(jump < 0.06, "n = {depth}, {width}°: {before:?} {now:?} {after:?}");
             }
         }
     }
@@ -214,7 +213,7 @@ fn a_difference_from_a_uniform_field_is_detection() {
             let center = judge().difference(&light, &uniform, None).unwrap().center();
             let spectrum = ContrastSpectrum::new(&light, [SIDE; 2], PX_PER_DEG).unwrap();
             let detected = spectrum.detection(&Eye::adapted_to(40.0));
-            assert!((center / detected - 1.0).abs() < 5e-4, "{frequency} c/°: {center} {detected}");
+            assert!((center / detected - 1.0).abs() < 1e-6, "{frequency} c/°: {center} {detected}");
         }
     }
 }
@@ -230,10 +229,10 @@ fn line(px_per_deg: f64, half_deg: f64, mean: f64, light: impl Fn(f64) -> f64, r
 }
 
 /// An isolated kink converges to a visibility of its own, in proportion to its slope, against ever wider roundings (of I₁
-/// in the slope).
+/// in the slope); the numbers are those of the other implementation.
 #[test]
 fn a_kink_has_a_visibility_of_its_own() {
-    const SLOPE: f64 = 0.02;
+    const SLOPE: f64 = 0.001;
     let kink = |reach: f64| {
         // The integral of a slope that rises within the reach.
         let rounded = move |x: f64| {
@@ -243,15 +242,16 @@ fn a_kink_has_a_visibility_of_its_own() {
         let light = |x: f64| 50.0 * (1.0 + SLOPE * x.max(0.0));
         line(48.0, 14.0, 50.0, light, move |x| 50.0 * (1.0 + SLOPE * rounded(x))) / SLOPE
     };
-    let found = [0.5, 1.0, 2.0, 4.0, 8.0].map(kink);
-    assert!(found.windows(2).all(|pair| pair[1] > pair[0]), "{found:?}");
-    assert!((13.0..16.0).contains(&found[4]) && found[4] < 1.1 * found[3], "{found:?}");
+    for (reach, wanted) in [(0.5, 7.10), (1.0, 9.69), (2.0, 11.66), (4.0, 12.99), (8.0, 13.84)] {
+        let found = kink(reach);
+        assert!((found / wanted - 1.0).abs() < 0.01, "{reach}°: {found}, expected {wanted}");
+    }
 }
 
 /// The threshold of a step, from the other implementation: the relative difference in luminance of an edge 8° long.
 #[test]
 fn a_step_needs_more_contrast_in_dim_light() {
-    for (low, wanted) in [(1.0, 0.02662), (10.0, 0.01817), (100.0, 0.01308), (1000.0, 0.01121)] {
+    for (low, wanted) in [(1.0, 0.02764), (10.0, 0.01827), (100.0, 0.01280), (1000.0, 0.01082)] {
         const STEP: f64 = 1e-3;
         let times = line(64.0, 8.0, low, |x| if x > 0.0 { low * (1.0 + STEP) } else { low }, |_| low);
         assert!((STEP / times / wanted - 1.0).abs() < 0.02, "{low} cd/m²: {}, expected {wanted}", STEP / times);

@@ -116,7 +116,7 @@ fn figures(model: &Model) -> Result<Vec<f64>, Box<dyn Error>> {
     };
     let plain = barred(0.0)?;
     let kink = |reach: f64| {
-        const SLOPE: f64 = 0.02;
+        const SLOPE: f64 = 0.001;
         let rounded = |x: f64| {
             let t = ((x / reach + 1.0) / 2.0).max(0.0);
             if t < 1.0 { reach * t * t } else { x }

@@ -19,12 +19,13 @@ use sha2::{Digest, Sha256};
 pub const NAMES: [&str; 8] =
     ["gain", "fine_cpd", "fine_power", "coarse_power", "pooling", "fovea_deg", "fovea_power", "bright_power"];
 /// Weight of a residual: of ModelFest, whose values are means of 16 observers, relative to a threshold of one paper.
-const MODELFEST_WEIGHT: f64 = 1.5;
+const MODELFEST_WEIGHT: f64 = 2.0;
 /// Weight of the two edges without noise.
 const EDGE_WEIGHT: f64 = 3.0;
-/// Weight of the trapezoidal gratings: people's thresholds double with the width of wide ramps. With more weight, coarse
-/// gratings are predicted too hard to see.
-const TRAPEZOID_WEIGHT: f64 = 2.5;
+/// Weight of the trapezoidal gratings: people's thresholds double with the width of wide ramps.
+const TRAPEZOID_WEIGHT: f64 = 5.0;
+/// Weight of the mean error in an octave of frequency: few coarse gratings were measured, and they count as much.
+const OCTAVE_WEIGHT: f64 = 2.0;
 /// Widths of the ramps that enter the fit, degrees.
 const FITTED_WIDTHS: [f64; 3] = [0.5, 1.0, 2.0];
 /// Luminances and areas that the model covers, cd/m² and degrees².
@@ -378,8 +379,8 @@ impl People {
         (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
     }
 
-    /// The errors, each with its weight in the fit. The last ones are how far the thresholds for trapezoidal gratings are
-    /// from being proportional to the width of the ramps.
+    /// The errors, each with its weight in the fit. The last ones are the means in each octave, and how far the thresholds
+    /// for trapezoidal gratings are from being proportional to the width of the ramps.
     fn weighted(&self, sensitivity: &Sensitivity) -> DVector<f64> {
         let weight = |measured: &Measured| match measured.set.as_str() {
             "modelfest" => MODELFEST_WEIGHT,
@@ -388,6 +389,7 @@ impl People {
         };
         let errors = self.errors(sensitivity);
         let mut all: Vec<f64> = errors.iter().zip(&self.measured).map(|(error, of)| error * weight(of)).collect();
+        all.extend(octaves(self, &errors).into_iter().map(|(_, bias, _)| OCTAVE_WEIGHT * bias));
         let logs: Vec<f64> =
             self.trapezoids.iter().map(|spectrum| log_threshold(spectrum, &ours(sensitivity))).collect();
         let wanted = FITTED_WIDTHS.windows(2).map(|pair| (pair[1] / pair[0]).log10());
