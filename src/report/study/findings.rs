@@ -76,7 +76,7 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
             )
         } else {
             let who = if results.is_inferential() { "this study" } else { "these trials" };
-            let what = if is_trend { "find a linear trend" } else { "distinguish the levels" };
+            let what = if is_trend { "confirm a linear trend" } else { "distinguish the levels" };
             format!("{}, and {who} cannot {what} ({}, {p}).", span(results, factor), evidence.test)
         };
     // If no test distinguishes the levels, the two extremes may differ only by chance, so their contrast is not
