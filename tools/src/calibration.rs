@@ -15,7 +15,7 @@ use serde_json::Value;
 const ALPHA: f64 = 0.05;
 
 /// What the columns of the table count: for each statistic, whether it was given, and whether it rejected or covered.
-const COLUMNS: [&str; 13] = [
+const COLUMNS: [&str; 11] = [
     "LR",
     "Friedman",
     "interaction",

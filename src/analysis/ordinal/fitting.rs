@@ -360,13 +360,10 @@ impl Fitted<'_> {
 
     /// Returns whether a variable of a term does not vary within items.
     pub fn is_between_items(&self, term: &Term) -> bool {
-        let counts = self.frame.counts;
-        let Some(items) = self.items() else { return false };
+        let (counts, items) = (self.frame.counts, self.items());
         let between = |variable: &Variable| {
-            let Ok((factor, _)) = find_factor(counts, variable) else { return false };
-            let mut level_of = HashMap::new();
-            let mut levels = self.frame.conditions().into_iter().map(|c| &counts.conditions[c as usize]);
-            levels.all(|own| *level_of.entry(own[items]).or_insert(own[factor]) == own[factor])
+            let factor = find_factor(counts, variable).ok();
+            items.zip(factor).is_some_and(|(items, (factor, _))| counts.determines(items, factor))
         };
         term.variables.iter().any(between)
     }

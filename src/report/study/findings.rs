@@ -75,13 +75,9 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
                 evidence.test
             )
         } else {
-            let what = match (results.is_inferential(), is_trend) {
-                (true, false) => "this study cannot distinguish the levels",
-                (false, false) => "these trials cannot distinguish the levels",
-                (true, true) => "this study shows no clear linear trend",
-                (false, true) => "these trials show no clear linear trend",
-            };
-            format!("{}, and {what} ({}, {p}).", span(results, factor), evidence.test)
+            let who = if results.is_inferential() { "this study" } else { "these trials" };
+            let what = if is_trend { "confirm a linear trend" } else { "distinguish the levels" };
+            format!("{}, and {who} cannot {what} ({}, {p}).", span(results, factor), evidence.test)
         };
     // If no test distinguishes the levels, the two extremes may differ only by chance, so their contrast is not
     // reported.

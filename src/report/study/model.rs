@@ -3,8 +3,8 @@
 use super::names;
 use crate::{
     analysis::{
-        Checks, Coefficient, Comparison, Link, Model, ModelReport, RandomEffect, RandomSlope, Results, Slopes,
-        TermTest, Withheld, terms::Term,
+        Checks, Coefficient, Comparison, Link, Model, ModelReport, RandomEffect, RandomSlope, Results, TermTest,
+        Withheld, terms::Term,
     },
     report::{
         document::{Section, TableOf, count, fixed, list, mean, probability, range, ratio, unit, whole},
@@ -192,15 +192,10 @@ fn formula(section: &mut Section, results: &Results, model: &Model) {
     section.code(format!("P(rating ≤ j) = F(θ[j] − x·β{shift})"));
     let slopes = model.random.iter().flat_map(|random| &random.slopes);
     let slopes: Vec<String> = slopes.map(|slope| names::slope(results, model, slope)).collect();
-    let differ = match (&slopes[..], results.spec.slopes) {
+    let differ = match &slopes[..] {
         _ if model.random.is_none() || !results.is_inferential() => String::new(),
-        ([], Slopes::None) => {
-            " Participants differ only in how high they rate, so tests of interactions and of differences in them do \
-                               not allow for people who differ in the effects."
-                .to_owned()
-        }
-        ([], _) => " Participants differ only in how high they rate; every effect is the same for all.".to_owned(),
-        (slopes, _) => format!(
+        [] => " Participants differ only in how high they rate; every effect is the same for all.".to_owned(),
+        slopes => format!(
             " Participants also differ in the effects of {}, so tests and intervals of these effects allow for differences \
              between people.",
             list(slopes)
