@@ -86,7 +86,9 @@ impl MeasuredBuilder {
             ..Trial::default()
         };
         let cell = self.cells.entry(self.key.as_slice().into()).or_default();
-        cell.count(rating, count);
+        let rating = usize::from(rating);
+        cell.counts.resize(cell.counts.len().max(rating + 1), 0);
+        cell.counts[rating] += count;
         cell.trials.extend(is_one.then_some(trial));
         Ok(())
     }
@@ -203,16 +205,6 @@ impl MeasuredBuilder {
             excluded: Vec::new(),
             counts: Counts { subjects, factors, conditions, categories, rows: summed(rows) },
         }
-    }
-}
-
-impl Cell {
-    fn count(&mut self, rating: u8, count: u64) {
-        let rating = usize::from(rating);
-        if self.counts.len() <= rating {
-            self.counts.resize(rating + 1, 0);
-        }
-        self.counts[rating] += count;
     }
 }
 
