@@ -144,7 +144,7 @@ pub(super) fn counts(arguments: &CountsArguments, writer: &Writer) -> anyhow::Re
     let study = arguments.ratings.read(Default::default(), false, true).map_err(explained)?;
     check_order(&study, true)?;
     let counts = &study.measured.counts;
-    writer.write(&arguments.out, &tables::counts(counts, &study.source.shape).csv())?;
+    writer.write(&arguments.out, &tables::counts_csv(counts, &study.source.shape))?;
     progress.clear();
     // An analysis has no conditions for single values of covariates.
     let described = study.measured.without_factors(&covariates(counts, &Options::default()));

@@ -157,7 +157,7 @@ pub fn table_files(study: &Study, results: &Results) -> Contents {
     model.push(b'\n');
     let mut files = csv_files(tables::all(results));
     files.extend([
-        ("counts.csv".to_owned(), tables::counts(results.modeled(), &study.source.shape).csv()),
+        ("counts.csv".to_owned(), tables::counts_csv(results.modeled(), &study.source.shape)),
         ("model.json".to_owned(), model),
         ("analysis.R".to_owned(), script::script(&study.source.shape, results).into_bytes()),
     ]);

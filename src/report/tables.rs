@@ -285,16 +285,27 @@ pub(super) fn count_columns(counts: &Counts, shape: &Shape) -> Vec<Column> {
 /// Lists the sufficient statistic: participant, factors, rating and count. `analyze` can read this table in place of the files,
 /// because the columns of the participant and the response keep their names.
 pub fn counts(counts: &Counts, shape: &Shape) -> Table {
-    let conditions: Vec<Vec<Cell>> = (0..counts.conditions.len() as u32)
-        .map(|condition| {
-            counts.factors.iter().zip(counts.level_names(condition)).map(|(factor, name)| level(factor, name)).collect()
-        })
-        .collect();
+    counts_of(counts, &counts.rows, shape)
+}
+
+/// Writes the sufficient statistic as CSV. There may be millions of counts, whose cells would not fit in memory at once.
+pub fn counts_csv(counts: &Counts, shape: &Shape) -> Vec<u8> {
+    const PART: usize = 10_000;
+    let header = counts_of(counts, &[], shape).csv();
+    let mut csv = header.clone();
+    for rows in counts.rows.chunks(PART) {
+        csv.extend_from_slice(&counts_of(counts, rows, shape).csv()[header.len()..]);
+    }
+    csv
+}
+
+fn counts_of(counts: &Counts, rows: &[CountRow], shape: &Shape) -> Table {
     let categories: Vec<Cell> =
         counts.categories.iter().map(|category| Cell::Level(category.clone(), number_of(category))).collect();
-    let rows = counts.rows.iter().map(|row: &CountRow| {
+    let rows = rows.iter().map(|row| {
         let mut cells = vec![Cell::Text(counts.subjects[row.subject as usize].clone())];
-        cells.extend_from_slice(&conditions[row.condition as usize]);
+        let names = counts.level_names(row.condition);
+        cells.extend(counts.factors.iter().zip(names).map(|(factor, name)| level(factor, name)));
         cells.extend([categories[row.rating as usize].clone(), row.count.into()]);
         cells
     });

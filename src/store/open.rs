@@ -3,7 +3,7 @@
 use std::{
     borrow::Borrow,
     fs::{self, File},
-    io::{Error, ErrorKind, Read, Seek, SeekFrom},
+    io::{Error, ErrorKind, Read},
     path::Path,
 };
 
@@ -79,13 +79,6 @@ impl<F: Borrow<File>> Read for Complete<F> {
             return Err(Error::new(ErrorKind::UnexpectedEof, message));
         }
         Ok(count)
-    }
-}
-
-impl<F: Borrow<File>> Seek for Complete<F> {
-    fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
-        self.at = self.file.borrow().seek(to)?;
-        Ok(self.at)
     }
 }
 

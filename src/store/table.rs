@@ -1,25 +1,10 @@
 //! CSV tables in which each row has a line number and each cell has a column.
 
-use std::{
-    borrow::Cow,
-    cell::Cell,
-    collections::BTreeSet,
-    io::{self, Cursor, Read, Seek, SeekFrom},
-    path::Path,
-};
+use std::{borrow::Cow, collections::BTreeSet, io::Cursor};
 
 use csv::{ByteRecord, Position};
 
-use super::{
-    FileError, FileErrors,
-    open::{Complete, open_regular},
-};
-
-/// Maximum number of bytes in a row. A row of a real study has a few hundred; one with more than this has an unclosed
-/// quote or is not a row.
-pub(super) const MAX_ROW: u64 = 1 << 20;
-/// Size of the buffer for reading rows, in bytes.
-const BUFFER: usize = 1 << 20;
+use super::{FileError, FileErrors};
 
 /// The byte order mark with which some programs begin a file.
 pub(super) const BYTE_ORDER_MARK: &[u8] = &[0xef, 0xbb, 0xbf];
@@ -27,41 +12,12 @@ pub(super) const BYTE_ORDER_MARK: &[u8] = &[0xef, 0xbb, 0xbf];
 /// An error in a row: the index of the cell, and a message that says what is wrong and what is expected.
 pub(super) type CellError = (usize, String);
 
-/// The source of a table's bytes.
+/// The bytes of a table.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Content<'a> {
-    File(&'a Path),
-    Memory(&'a [u8]),
-    /// A sheet as CSV, in which the column of a place is that of the sheet.
-    Sheet(&'a [u8]),
-}
-
-trait Source: Read + Seek {}
-impl<T: Read + Seek> Source for T {}
-
-impl<'a> Content<'a> {
-    fn open(self) -> io::Result<Box<dyn Source + 'a>> {
-        Ok(match self {
-            Self::File(path) => Box::new(Complete::of(open_regular(path)?)?),
-            Self::Memory(content) | Self::Sheet(content) => Box::new(Cursor::new(content)),
-        })
-    }
-
-    /// Returns the number of bytes.
-    pub fn len(self) -> io::Result<u64> {
-        match self {
-            Self::File(path) => std::fs::metadata(path).map(|metadata| metadata.len()),
-            Self::Memory(content) | Self::Sheet(content) => Ok(content.len() as u64),
-        }
-    }
-
-    /// Reads at most [`MAX_ROW`] bytes of this range.
-    pub fn slice(self, from: u64, to: u64) -> io::Result<Vec<u8>> {
-        let (mut reader, mut bytes) = (self.open()?, Vec::new());
-        reader.seek(SeekFrom::Start(from))?;
-        reader.take((to - from).min(MAX_ROW)).read_to_end(&mut bytes)?;
-        Ok(bytes)
-    }
+pub(super) struct Content<'a> {
+    pub bytes: &'a [u8],
+    /// Whether they were a sheet of a workbook, so that the column of a place is that of the sheet.
+    pub is_sheet: bool,
 }
 
 /// A row, not yet validated.
@@ -69,15 +25,13 @@ pub(super) struct Row<'a> {
     /// The cells as bytes.
     pub record: &'a ByteRecord,
     content: Content<'a>,
-    pub separator: u8,
+    separator: u8,
     /// The reader's position before the row, from which it can be read again. There may be line ends between this position and
     /// the row.
     pub start: &'a Position,
-    end: u64,
+    end: usize,
     /// True if nothing follows this row.
     pub last: bool,
-    /// The error because of which bytes of the row could not be read again, if there was one.
-    failed: &'a Cell<Option<io::Error>>,
 }
 
 impl<'a> Row<'a> {
@@ -90,30 +44,20 @@ impl<'a> Row<'a> {
             .map_err(|_| self.record.iter().position(|cell| std::str::from_utf8(cell).is_err()).unwrap_or(0))
     }
 
-    /// Returns the bytes of the row, including the line ends before and after it. They are read again from the source,
-    /// which is acceptable because errors are rare.
-    pub fn raw(&self) -> Vec<u8> {
-        self.slice(self.start.byte())
-    }
-
-    /// Reads the bytes from here to the end of the row again. If that fails, so does the reading of the table.
-    fn slice(&self, from: u64) -> Vec<u8> {
-        self.content.slice(from, self.end).unwrap_or_else(|error| {
-            self.failed.set(Some(error));
-            Vec::new()
-        })
+    /// Returns the bytes of the row, including the line ends before and after it.
+    pub fn raw(&self) -> &'a [u8] {
+        &self.content.bytes[self.start.byte() as usize..self.end]
     }
 
     /// Returns the line and column, from 1, of the beginning of a cell or, if the cell is not text, of its first
     /// invalid byte.
     pub fn place(&self, cell: usize) -> (usize, usize) {
         let raw = self.raw();
-        let raw = raw.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&raw);
+        let raw = raw.strip_prefix(BYTE_ORDER_MARK).unwrap_or(raw);
         let raw = &raw[..raw.iter().rposition(|byte| !is_line_end(*byte)).map_or(0, |last| last + 1)];
         let mut at = raw.iter().take_while(|byte| is_line_end(**byte)).count();
         // A missing cell is located at the end of its line.
-        let end = raw.iter().rposition(|byte| !is_line_end(*byte)).map_or(0, |last| last + 1);
-        at += cell_start(&raw[at..end.max(at)], self.separator, cell);
+        at += cell_start(&raw[at..], self.separator, cell);
         if let Some(bytes) = self.record.get(cell)
             && let Err(error) = std::str::from_utf8(bytes)
         {
@@ -122,10 +66,8 @@ impl<'a> Row<'a> {
         let before = &raw[..at.min(raw.len())];
         let line = before.iter().filter(|byte| **byte == b'\n').count();
         let line_start = before.iter().rposition(|byte| is_line_end(*byte)).map_or(0, |end| end + 1);
-        let column = match self.content {
-            Content::Sheet(_) => cell,
-            _ => String::from_utf8_lossy(&before[line_start..]).chars().count(),
-        };
+        let characters = || String::from_utf8_lossy(&before[line_start..]).chars().count();
+        let column = if self.content.is_sheet { cell } else { characters() };
         (self.start.line() as usize + line, column + 1)
     }
 
@@ -133,7 +75,7 @@ impl<'a> Row<'a> {
     pub fn is_open(&self) -> bool {
         self.last
             && self.record.iter().next_back().is_some_and(|cell| cell.contains(&b'\n'))
-            && !self.slice(self.end.saturating_sub(4)).trim_ascii_end().ends_with(b"\"")
+            && !self.raw().trim_ascii_end().ends_with(b"\"")
     }
 
     /// Checks the row of a table with this number of columns. Only the cells in the columns that are used matter.
@@ -156,7 +98,7 @@ impl<'a> Row<'a> {
         {
             return Err((Some(cell), "the cell contains a zero byte; expected text".to_owned()));
         }
-        if self.record.as_slice().contains(&b'\n') && self.is_torn() {
+        if self.is_torn() {
             let message = "a cell goes on after its closing quote, in another line; expected quotes around whole cells";
             return Err((None, message.to_owned()));
         }
@@ -173,13 +115,16 @@ impl<'a> Row<'a> {
     /// one, that of another row, ends it.
     fn is_torn(&self) -> bool {
         let raw = self.raw();
-        let row = &raw[raw.iter().take_while(|byte| is_line_end(**byte)).count()..];
-        (0..self.record.len()).any(|cell| {
-            let start = cell_start(row, self.separator, cell);
-            let end = quoted_end(row, start);
-            let mut rest = row[end..].split(|byte| *byte == self.separator || is_line_end(*byte));
-            row[start..end].contains(&b'\n') && rest.next().is_some_and(|rest| !rest.trim_ascii().is_empty())
-        })
+        let mut rest = &raw[raw.iter().take_while(|byte| is_line_end(**byte)).count()..];
+        let has_lines = self.record.as_slice().contains(&b'\n');
+        has_lines
+            && (0..self.record.len()).any(|_| {
+                let (quoted, after) = rest.split_at(quoted_end(rest, 0));
+                let is_end = |byte: &u8| *byte == self.separator || is_line_end(*byte);
+                let length = after.iter().position(is_end).unwrap_or(after.len());
+                rest = after.get(length + 1..).unwrap_or_default();
+                quoted.contains(&b'\n') && !after[..length].trim_ascii().is_empty()
+            })
     }
 
     /// Returns the position of the next line.
@@ -233,81 +178,35 @@ fn quoted_end(row: &[u8], mut at: usize) -> usize {
     at
 }
 
-/// A source that ends when `left` bytes have been read, so that a row without an end does not fill the memory.
-struct Limited<'a, 'c> {
-    source: Box<dyn Source + 'c>,
-    left: &'a Cell<u64>,
-}
-
-impl Read for Limited<'_, '_> {
-    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
-        let most = usize::try_from(self.left.get()).unwrap_or(usize::MAX).min(into.len());
-        let read = loop {
-            match self.source.read(&mut into[..most]) {
-                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-                read => break read?,
-            }
-        };
-        self.left.set(self.left.get() - read as u64);
-        Ok(read)
-    }
-}
-
-impl Seek for Limited<'_, '_> {
-    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
-        self.source.seek(to)
-    }
-}
-
-/// Calls `take` with the rows from a position on, or from the header, as long as it returns true. An unclosed quote affects
-/// only its own line.
-///
-/// # Errors
-/// The content cannot be read, or a line has more than [`MAX_ROW`] bytes.
+/// Calls `take` with the rows from a position on, or from the header, as long as it returns true. A quote that is not closed
+/// affects only its own line.
 pub(super) fn rows_from(
     content: Content<'_>,
     separator: u8,
     from: Option<&Position>,
     mut take: impl FnMut(&Row<'_>) -> bool,
-) -> io::Result<()> {
-    let size = content.len()?;
+) {
     let mut builder = csv::ReaderBuilder::new();
-    builder.has_headers(false).flexible(true).delimiter(separator).buffer_capacity(BUFFER);
-    // The longest row, plus the bytes that may be read ahead of it.
-    let most = MAX_ROW + BUFFER as u64;
-    let left = Cell::new(most);
-    let mut reader = builder.from_reader(Limited { source: content.open()?, left: &left });
-    if let Some(from) = from {
-        reader.seek(from.clone())?;
-        left.set(most);
-    }
-    let (mut record, start, failed) = (ByteRecord::new(), Position::new(), Cell::new(None));
-    while reader.read_byte_record(&mut record)? {
-        let is_cut = left.replace(most) == 0 && reader.position().byte() < size;
-        let end = reader.position().byte();
+    builder.has_headers(false).flexible(true).delimiter(separator);
+    let mut reader = builder.from_reader(Cursor::new(content.bytes));
+    // Reading from memory does not fail.
+    let _ = from.map(|from| reader.seek(from.clone()));
+    let (mut record, start) = (ByteRecord::new(), Position::new());
+    while reader.read_byte_record(&mut record).unwrap_or(false) {
+        let end = reader.position().byte() as usize;
         let start = record.position().unwrap_or(&start);
-        let last = end >= size || is_cut;
-        let row = Row { record: &record, content, separator, start, end, last, failed: &failed };
-        let is_open = row.is_open();
-        if is_cut && !is_open {
-            let line = start.line();
-            return Err(io::Error::other(format!("line {line} has more than {MAX_ROW} bytes")));
-        }
-        let goes_on = take(&row);
-        let next = is_open.then(|| row.next_line());
-        failed.take().map_or(Ok(()), Err)?;
-        if !goes_on {
+        let row = Row { record: &record, content, separator, start, end, last: end >= content.bytes.len() };
+        if !take(&row) {
             break;
         }
-        next.map_or(Ok(()), |next| reader.seek(next))?;
+        let _ = (row.is_open() || row.is_torn()).then(|| reader.seek(row.next_line()));
     }
-    Ok(())
 }
 
 /// Returns the separator of a table with this header: a comma or, if it has more of them outside quotes, a semicolon or tab, as
-/// in spreadsheets from some countries.
+/// in spreadsheets from some countries, or a vertical bar.
 pub(super) fn separator(header: &[u8]) -> u8 {
-    let mut counts = [(b'\t', 0), (b';', 0), (b',', 0)];
+    let mut counts = [(b'|', 0), (b'\t', 0), (b';', 0), (b',', 0)];
     let mut quoted = false;
     for byte in header {
         quoted ^= *byte == b'"';
@@ -342,7 +241,8 @@ pub(super) fn parse<T>(
     mut row: impl FnMut(&[&str], &Row<'_>) -> Result<T, CellError>,
 ) -> Result<Vec<T>, FileErrors> {
     let (mut rows, mut errors, mut header, mut width) = (Vec::new(), Vec::new(), Some(header), 0);
-    let read = rows_from(Content::Memory(text), separator, None, |found| {
+    let content = Content { bytes: text, is_sheet: false };
+    rows_from(content, separator, None, |found| {
         let mut error = |(cell, message): CellError| errors.push(FileError::at(file, found.place(cell), message));
         let Ok(cells) = found.record.iter().map(std::str::from_utf8).collect::<Result<Vec<&str>, _>>() else {
             error((found.text().err().unwrap_or(0), "the row is not UTF-8 text; expected UTF-8".to_owned()));
@@ -364,9 +264,7 @@ pub(super) fn parse<T>(
         }
         true
     });
-    if let Err(error) = read {
-        errors.push(FileError::whole(file, format!("cannot be read: {error}; expected CSV")));
-    } else if header.is_some() {
+    if header.is_some() {
         errors.push(FileError::at(file, (1, 1), "the file is empty; expected a header row".to_owned()));
     }
     if errors.is_empty() { Ok(rows) } else { Err(FileErrors(errors)) }

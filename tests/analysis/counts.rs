@@ -156,12 +156,15 @@ fn codes_are_found_and_scales_are_not_taken_for_codes() {
     ] {
         assert_eq!(codes(&scale), code, "{scale:?}");
     }
-    // Rare values outside the run of whole numbers are mistakes; a next number is not.
+    // Rare values outside the run of whole numbers, or between them, are mistakes; a next number and half points are not.
     for (each, others, expected) in [
         (20, &[("33", 1)][..], "33:1"),
         (20, &[("6", 1)], "6:1"),
         (60, &[("-7", 1), ("12", 1), ("13", 1)], "-7:1 12:1 13:1"),
         (20, &[("5", 1)], ""),
+        (20, &[("2.5", 1)], "2.5:1"),
+        (60, &[("1.5", 2), ("2.5", 2)], "1.5:2 2.5:2"),
+        (20, &[("0.5", 9), ("2.5", 9)], ""),
         (20, &[("inf", 9), ("-inf", 9)], "-inf:9 inf:9"),
     ] {
         let others = others.iter().map(|(value, n)| ((*value).to_owned(), *n));

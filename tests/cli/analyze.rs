@@ -420,7 +420,16 @@ fn tables_of_other_programs_are_understood_or_refused_with_a_reason() {
     write("blank.csv", &(usual.replace("p1,", ",,,,\n\np1,") + &", ,,,\n".repeat(9)));
     write("nobody.csv", &usual.replace("p1,", ","));
     write("data.json", "[{\"id\": 1, \"y\": 2}]");
-    write("q.csv", "id,y\nID,Rating\n\"{\"\"ImportId\"\":\"\"id\"\"}\",\"{\"\"ImportId\"\":\"\"Q1\"\"}\"\n1,2\n");
+    write("half.csv", &rows(&|i| if i == 7 { "1.5".to_owned() } else { (i * i / 3 % 4).to_string() }));
+    let labels = "y\nID,A,Count,Trial,Rating\n\"{\"\"ImportId\"\":\"\"id\"\"}\",a,count,trial,y\n";
+    write("q.csv", &usual.replacen("y\n", labels, 1));
+    write("bars.csv", &usual.replace(',', "|"));
+    write("carets.csv", &usual.replace(',', "^"));
+    write("title.csv", &format!("C:\\data.emrg\n{}", usual.replace(',', "\t")));
+    let numbered =
+        |(number, row): (usize, &str)| if number == 0 { format!("{row}\n") } else { format!("{number},{row}\n") };
+    write("r.csv", &usual.lines().enumerate().map(numbered).collect::<String>());
+    write("ends.csv", &usual.replace('\n', ",\n").replacen("y,", "y", 1));
     let run = |file: &str, options: &[&str]| {
         let columns = ["analyze", file, "--subject", "id", "--response", "y"];
         let output = ["--out", "out", "--tables-only", "--draws", "99", "--force"];
@@ -447,7 +456,13 @@ fn tables_of_other_programs_are_understood_or_refused_with_a_reason() {
         ),
         ("nobody.csv", &["--terms", "count"], 1, "12 of 96 rows have no participant"),
         ("data.json", &["--terms", "a"], 1, "is JSON; expected CSV"),
-        ("q.csv", &["--terms", "a"], 1, "remove its second and third rows"),
+        ("half.csv", &["--terms", "count"], 2, "y: 1.5 (1 rating) is far from the other values, or not a whole number"),
+        ("q.csv", &["--terms", "count"], 0, ""),
+        ("bars.csv", &["--terms", "count"], 0, ""),
+        ("carets.csv", &["--terms", "count"], 1, "the first line has one cell, \"id^a:b^count^trial^y\"; expected the"),
+        ("title.csv", &["--terms", "count"], 1, "the first line has one cell, and a line below it several"),
+        ("r.csv", &["--terms", "count"], 0, ""),
+        ("ends.csv", &["--terms", "count"], 0, ""),
     ] {
         let (code, error, output) = run(file, options);
         assert!(code == Some(status) && error.contains(expected), "{file} {options:?}: {code:?} {error} {output}");

@@ -10,14 +10,12 @@ use std::{
 use machband::{
     display::Monitor,
     experiment::columns,
-    report::Study,
     store::{
         export::{Choice, Exported, Format, export},
         image,
-        ratings::{Listed, ReadOptions},
+        ratings::Listed,
         recorded::Recorded,
         sidecar::{FrameSummary, Geometry, Sidecar},
-        table::List,
     },
 };
 use serde_json::{Value, json};
@@ -151,30 +149,6 @@ fn every_cell_and_every_picture_is_exported() {
         }
         assert_eq!(cells_of[key]["simulated"], "1");
     }
-    // An analysis reads these tables as it reads the sessions, also in memory.
-    let factors = ["width", "depth", "orientation_deg"].map(str::to_owned);
-    let how = ReadOptions { factors: Some(List(factors.to_vec())), details: true, ..ReadOptions::default() };
-    let named = ReadOptions { subject: Some("participant_id".to_owned()), ..how.clone() };
-    let recorded = Study::read(&[results.join("quick")], &how).unwrap();
-    let files = everything(&bids).into_iter().map(|(path, _)| bids.join(path));
-    let quick: Vec<PathBuf> = files.filter(|path| path.to_string_lossy().ends_with("task-quick_beh.tsv")).collect();
-    let used = |study: &Study| -> Vec<_> {
-        let files = study.source.files.iter();
-        files.map(|file| (file.rows, file.counted, file.practice, file.superseded)).collect()
-    };
-    for how in [&how, &named, &ReadOptions::default()] {
-        let read = Study::read(&quick, how).unwrap();
-        assert_eq!((used(&read), &read.source.errors), (used(&recorded), &vec![]));
-        let [tables, sessions] = [&read, &recorded].map(|study| &study.measured.counts);
-        assert_eq!(
-            (tables.total(), &tables.subjects[..]),
-            (sessions.total(), &["sub-S001", "sub-S002"].map(str::to_owned)[..])
-        );
-        assert!(how.factors.is_none() || tables.rows == sessions.rows);
-        let simulated = read.source.files.iter().flat_map(|file| file.simulated.values());
-        assert_eq!(simulated.map(|[marked, all]| [*marked, *all].map(|n| n > 0)).collect::<Vec<_>>(), [[true; 2]; 2]);
-    }
-
     let psych_ds = scratch.path().join("psych-ds");
     written(&results, &psych_ds, Format::PsychDs);
     assert_eq!(rows(&psych_ds), expected);

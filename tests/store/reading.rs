@@ -471,8 +471,7 @@ mod elsewhere {
             let read = study(&path, "y", "c");
             assert_eq!((&read.measured, &read.source.errors), (&plain.measured, &vec![]), "{name}");
             assert_eq!(read.source.files[0].sha256, Some(hash));
-            let note =
-                "only the first sheet, Data & more, was read; expected one sheet (the others were ignored: Notes)";
+            let note = "only the sheet Data & more was read; expected one sheet (the others were ignored: Notes)";
             assert_eq!(warnings(&read), [note; 1][..usize::from(name == "t.xlsx")], "{name}");
         }
         // In a folder, too.
@@ -579,7 +578,7 @@ mod elsewhere {
         let text = "subject_id,phase,attempt,c,score\nA,practice,1,a,1\nA,main,1,a,2\nA,main,2,a,3\nA,main,2,b,1\n";
         let path = file(&folder, "t.csv", text);
         let named = |names: &[&str]| warnings(&Study::read(std::slice::from_ref(&path), &of("score", names)).unwrap());
-        let practice = "1:12: 1 of 4 rows are practice according to the column phase, which no option names, and count as ratings; expected phase among the factors, with only its other levels, such as phase=main";
+        let practice = "1:12: 1 of 4 rows are practice according to the column phase, which no option names, and count as ratings; expected this column among the factors, with only its other levels";
         let attempts = "1:18: 2 of 4 rows are later attempts according to the column attempt, which no option names, and count as ratings; expected one row for each trial, or the columns subject_id, session_id, phase, trial and attempt, by which only the last attempt counts";
         assert_eq!(named(&["c"]), [practice, attempts]);
         assert_eq!(named(&["c", "phase"]), [attempts]);
@@ -801,7 +800,10 @@ mod errors {
             (
                 "subject_id,width,rating,note\nA,0.1,1,\"two\nlines\"\nA,0.1,2,\"x\nA,0.4,1,\"y\nA,0.4,3,\"z\" z\n",
                 with_factors(&["width"]),
-                &["4:1: a cell goes on after its closing quote, in another line; expected quotes around whole cells"],
+                &[
+                    "4:1: a cell goes on after its closing quote, in another line; expected quotes around whole cells",
+                    "5:9: a quote is never closed; expected a closing quote",
+                ],
                 &["A 0.1 1 1", "A 0.4 3 1"],
             ),
         ];

@@ -21,18 +21,16 @@ pub struct MeasuredBuilder {
     pub only_varied: bool,
     /// Texts of the ratings, in the order of their first appearance.
     ratings: Vec<String>,
-    index: HashMap<Box<[u8]>, u32>,
-    cells: Vec<Cell>,
+    /// For each participant and condition, as written in the file and each text followed by [`END`], its ratings.
+    cells: HashMap<Box<[u8]>, Cell>,
     /// The number of each session, by name.
     sessions: HashMap<Box<str>, u32>,
     key: Vec<u8>,
 }
 
-/// A participant and a condition, as written in the file.
-#[derive(Clone, Debug)]
+/// The ratings of a participant in a condition.
+#[derive(Clone, Debug, Default)]
 struct Cell {
-    /// Participant and values, each followed by [`END`].
-    key: Box<[u8]>,
     /// Number of ratings, by index into [`MeasuredBuilder::ratings`].
     counts: Vec<u64>,
     /// Trials that are known one by one, with the index of their rating, and without participant and condition.
@@ -87,8 +85,10 @@ impl MeasuredBuilder {
             repetition: place.map(|(_, repetition)| repetition),
             ..Trial::default()
         };
-        let cell = self.cell();
-        cell.count(rating, count);
+        let cell = self.cells.entry(self.key.as_slice().into()).or_default();
+        let rating = usize::from(rating);
+        cell.counts.resize(cell.counts.len().max(rating + 1), 0);
+        cell.counts[rating] += count;
         cell.trials.extend(is_one.then_some(trial));
         Ok(())
     }
@@ -106,19 +106,6 @@ impl MeasuredBuilder {
     ) -> Result<(), String> {
         let values: Vec<&str> = values.iter().map(AsRef::as_ref).collect();
         self.add(&RatingRow { subject, values: &values, rating, count, ..RatingRow::default() })
-    }
-
-    /// Returns the cell for `self.key`, and creates it if necessary.
-    fn cell(&mut self) -> &mut Cell {
-        let Self { index, cells, key, .. } = self;
-        let number = index.get(&key[..]).copied().unwrap_or_else(|| {
-            let number = cells.len() as u32;
-            let key: Box<[u8]> = key.as_slice().into();
-            index.insert(key.clone(), number);
-            cells.push(Cell { key, counts: Vec::new(), trials: Vec::new() });
-            number
-        });
-        &mut cells[number as usize]
     }
 
     /// Returns the number of a session.
@@ -153,11 +140,10 @@ impl MeasuredBuilder {
 
     /// Returns everything that was collected, in natural order.
     pub fn finish(mut self) -> Measured {
-        // The index is no longer needed, and there may be many cells.
-        self.index = HashMap::new();
-        let (subjects, values): (Vec<&str>, Vec<Vec<&str>>) = self.cells.iter().map(Cell::parts).unzip();
+        let cells: Vec<(Box<[u8]>, Cell)> = std::mem::take(&mut self.cells).into_iter().collect();
+        let (subjects, values): (Vec<&str>, Vec<Vec<&str>>) = cells.iter().map(|(key, _)| parts(key)).unzip();
         let (subjects, subject_of) = levels::rank(&[], &subjects.into_iter().map(Some).collect::<Vec<_>>());
-        let mut conditions: Vec<Vec<Option<u32>>> = vec![Vec::new(); self.cells.len()];
+        let mut conditions: Vec<Vec<Option<u32>>> = vec![Vec::new(); cells.len()];
         let mut factors = Vec::new();
         for (index, name) in self.factors.iter().enumerate() {
             // An empty text is a missing value.
@@ -197,8 +183,7 @@ impl MeasuredBuilder {
         (0..).zip(sessions).for_each(|(place, (_, number))| session_of[number as usize] = place);
         let mut trials = Vec::new();
         // Each cell is dropped as soon as it is counted.
-        for ((cell, subject), levels) in std::mem::take(&mut self.cells).into_iter().zip(subject_of).zip(&condition_of)
-        {
+        for (((_, cell), subject), levels) in cells.into_iter().zip(subject_of).zip(&condition_of) {
             let subject = subject.unwrap_or_default();
             let condition = conditions.partition_point(|known| known < levels) as u32;
             let given = cell.counts.iter().enumerate().filter(|(_, count)| **count > 0);
@@ -223,20 +208,10 @@ impl MeasuredBuilder {
     }
 }
 
-impl Cell {
-    fn count(&mut self, rating: u8, count: u64) {
-        let rating = usize::from(rating);
-        if self.counts.len() <= rating {
-            self.counts.resize(rating + 1, 0);
-        }
-        self.counts[rating] += count;
-    }
-
-    /// Returns the participant and the values of the factors.
-    fn parts(&self) -> (&str, Vec<&str>) {
-        let mut texts = self.key.split(|&byte| byte == END).map(|text| std::str::from_utf8(text).unwrap_or_default());
-        // The text after the last END is empty and is not used.
-        let subject = texts.next().unwrap_or_default();
-        (subject, texts.map(str::trim).collect())
-    }
+/// Returns the participant and the values of the factors in a key.
+fn parts(key: &[u8]) -> (&str, Vec<&str>) {
+    let mut texts = key.split(|&byte| byte == END).map(|text| std::str::from_utf8(text).unwrap_or_default());
+    // The text after the last END is empty and is not used.
+    let subject = texts.next().unwrap_or_default();
+    (subject, texts.map(str::trim).collect())
 }

@@ -198,8 +198,8 @@ impl Counts {
     /// Returns the categories that look like mistakes or like codes for a missing answer, with their numbers of ratings.
     ///
     /// Mistakes are categories with less than 2 % of the ratings that are further from all others than any two usual
-    /// ones from each other at least are, also as a chain; or a single rating that is further from at least three
-    /// others than twice their range. Codes are infinite, or numbers of digits from 7 to 9 only, at least 9 or
+    /// ones from each other at least are, also as a chain; a single rating that is further from at least three
+    /// others than twice their range; or one rating, or at most one in 50, between at least three whole numbers. Codes are infinite, or numbers of digits from 7 to 9 only, at least 9 or
     /// negative, that are isolated from the other categories, of which there are at least two. A positive code is
     /// further above them than they are from each other, and 9 is one only if their neighbors are 1 apart (0, 1, 3, 9
     /// is a scale). A negative one is further below them than any two neighbors are apart, and no other number is
@@ -244,6 +244,9 @@ impl Counts {
                 found.extend((n[code] == 1 && gap.abs() > 2.0 * width.abs()).then_some(code));
             }
         }
+        let (whole, between): (Vec<usize>, Vec<usize>) = used.iter().partition(|code| numbers[**code].fract() == 0.0);
+        let are_few = 50 * between.iter().map(|code| n[*code]).sum::<u64>() <= total.max(50);
+        found.extend(between.into_iter().filter(|_| are_few && whole.len() > 2));
         found.sort_unstable();
         found.dedup();
         found.into_iter().map(|code| (self.categories[code].as_str(), n[code])).filter(|(_, n)| *n > 0).collect()

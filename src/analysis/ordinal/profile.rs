@@ -32,8 +32,12 @@ pub(super) fn chi_squared_limit(df: usize) -> f64 {
     chi_squared_quantile(LEVEL, df as f64)
 }
 
-/// Returns the likelihood ratio against the model in which a quantity is 0.
+/// Returns the likelihood ratio against the model in which a quantity is 0; `None` too if a profile is normal, because its
+/// standard error then says the same.
 pub(super) fn ratio_at_zero(full: &Fitted, quantity: Quantity) -> Option<f64> {
+    if full.frame.total() >= MANY_PER_PARAMETER * full.parameters() as u64 && full.frame.subjects.len() >= MANY_PEOPLE {
+        return None;
+    }
     let fitted = hold(full, quantity, 0.0)?;
     comparable(full, &fitted).then(|| (2.0 * (full.loglik() - fitted.loglik())).max(0.0))
 }

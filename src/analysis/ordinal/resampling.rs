@@ -205,11 +205,12 @@ impl<'a> Simulator<'a> {
     /// Simulates a study with the same participants, conditions and numbers of ratings. `None` if all ratings are the
     /// same.
     pub fn study(&self, seed: u64, study: u64) -> Option<Frame<'a>> {
-        let rows = self.ratings(seed, study);
+        let mut rows = self.ratings(seed, study);
+        rows.sort_unstable();
         self.frame.with_ratings(rows)
     }
 
-    /// Simulates the ratings of a study, with the categories numbered as in the frame.
+    /// Simulates the ratings of a study, in any order, with the categories numbered as in the frame.
     pub fn ratings(&self, seed: u64, study: u64) -> Vec<CountRow> {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(study);
@@ -231,7 +232,6 @@ impl<'a> Simulator<'a> {
                 rows.extend(given.map(|(rating, count)| CountRow { rating, count, ..cell[0] }));
             }
         }
-        rows.sort_unstable();
         rows
     }
 

@@ -9,19 +9,19 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use calamine::{Data, DataRef, Reader as _, Xlsx};
+use calamine::{Data, DataRef, Reader as _, SheetVisible, Xlsx};
 use csv::Position;
 use flate2::read::MultiGzDecoder;
 use zip::ZipArchive;
 
 use crate::{
-    experiment::{IN_BIDS, Phase},
     store::{
         Columns, FileError, FileErrors, StoreError,
         dataset::{self, DATA_FILE, DESCRIPTION, FRAMES_SUFFIX},
         error::io,
+        file,
         open::{MAX_UNPACKED, is_data, read_regular, unpacked},
-        table::{BYTE_ORDER_MARK, Content, MAX_ROW, decoded, line, rows_from, separator},
+        table::{BYTE_ORDER_MARK, Content, decoded, line, list, rows_from, separator},
     },
     system::{entries, found, identified, is_of_another_user},
     text::names::natural,
@@ -263,15 +263,21 @@ pub(super) const SUBJECT: &str = "subject_id";
 /// for a trial or a stimulus.
 const SUBJECTS: [&str; 4] = ["participant", "participant_id", "subject", "subject_nr"];
 
+/// Number of rows that may be a part of the header below its first one, and in which the separator may be.
+const MAX_LABELS: usize = 2;
+
 /// Maximum number of bytes of the header row. A table with a thousand columns has about 10,000.
 const MAX_HEAD: u64 = 1 << 16;
 
-/// The head of a file.
+/// Maximum size, in bytes, of a file for which a hash is reported.
+const MAX_HASHED: usize = 64 << 20;
+
+/// A file in memory, and its head.
 #[derive(Clone, Debug, Default)]
 pub(in crate::store) struct Header {
     /// Names of the columns.
     pub names: Vec<String>,
-    /// The separator: a comma, a semicolon, a tab, or what the first line says.
+    /// The separator: a comma, a semicolon, a tab, a vertical bar, or what the first line says.
     pub separator: u8,
     /// The line of the header.
     pub line: usize,
@@ -281,51 +287,41 @@ pub(in crate::store) struct Header {
     pub foreign: Option<(usize, usize)>,
     /// The cells of the first row below the header, if there is one.
     pub first: Option<Vec<String>>,
-    /// Size of the file in bytes.
-    pub size: u64,
-    /// The content of the file, if it had to be converted.
-    pub(super) converted: Option<Converted>,
+    /// Number of rows below the header that are part of it.
+    pub labels: usize,
+    /// True if a row below the header has more cells, of which the header has one.
+    pub is_title: bool,
+    /// SHA-256 of the file, unless it is large.
+    pub sha256: Option<String>,
+    /// The content of the file, as text if that is not what it is.
+    pub(super) text: Converted,
     /// The table, if it is not a file.
     pub columns: Option<Columns>,
-    /// True if the columns of a result file have their names in BIDS.
-    pub is_bids: bool,
 }
 
 impl Header {
-    /// Reads the head of a file.
+    /// Reads a file and its head.
     ///
     /// # Errors
     /// The file is not readable, is empty, or is not a table.
     pub fn read(path: &Path) -> Result<Self, StoreError> {
-        let content = Content::File(path);
-        let size = content.len().map_err(io(path, "read"))?;
-        let mut head = content.slice(0, size).map_err(io(path, "read"))?;
-        let converted = converted(path, &head)?;
-        if let Some(Converted { bytes, .. }) = &converted {
-            head = bytes[..bytes.len().min(MAX_ROW as usize)].to_vec();
-        }
-        let mut header = Self { size, converted, line: 1, ..Self::default() };
-        header.parse(&head).map_err(|message| FileErrors::at(path, (1, 1), message))?;
-        Ok(header.with_bids())
+        let bytes = read_regular(path, u64::MAX).map_err(io(path, "read"))?;
+        let sha256 = (bytes.len() <= MAX_HASHED).then(|| file::sha256(&bytes));
+        let text = converted(bytes).map_err(|message| FileErrors::whole(path, message))?;
+        let mut header = Self { sha256, text, line: 1, ..Self::default() };
+        header.parse().map_err(|message| FileErrors::at(path, (1, 1), message))?;
+        Ok(header)
     }
 
     /// Returns the head of a table in memory.
     pub fn of(columns: Columns) -> Self {
         let names: Vec<String> = columns.names().map(|name| name.trim().to_owned()).collect();
         let first = (columns.rows() > 0).then(|| (0..names.len()).map(|column| columns.cell(0, column)).collect());
-        Self { names, separator: b',', first, columns: Some(columns), ..Self::default() }.with_bids()
+        Self { names, separator: b',', first, columns: Some(columns), ..Self::default() }
     }
 
-    /// Notes whether this is one of our own tables in BIDS: its columns have the names there, and its first row a phase.
-    fn with_bids(self) -> Self {
-        let has = |name: &str| self.position(name).is_some();
-        let phase = || self.first.as_ref()?.get(self.position(IN_BIDS[0].1)?)?.parse::<Phase>().ok();
-        let is_bids =
-            IN_BIDS.iter().all(|(ours, theirs)| has(theirs) && !has(ours)) && has("attempt") && phase().is_some();
-        Self { is_bids, ..self }
-    }
-
-    fn parse(&mut self, head: &[u8]) -> Result<(), &'static str> {
+    fn parse(&mut self) -> Result<(), &'static str> {
+        let head = &self.text.bytes[..];
         let text = head.strip_prefix(BYTE_ORDER_MARK).unwrap_or(head);
         let (named, text) = separator_line(text);
         if text.iter().all(u8::is_ascii_whitespace) {
@@ -337,44 +333,57 @@ impl Header {
         if text.trim_ascii_start().starts_with(b"{") || text.trim_ascii_start().starts_with(b"[") {
             return Err("is JSON; expected CSV, .csv.gz or .xlsx: export it as CSV");
         }
-        let line = text.split(|byte| matches!(byte, b'\r' | b'\n')).find(|line| !line.is_empty()).unwrap_or_default();
+        let mut lines = text.split(|byte| matches!(byte, b'\r' | b'\n')).filter(|line| !line.is_empty());
+        let line = lines.next().unwrap_or_default();
         if line.contains(&0) {
             return Err("is not a CSV file: its first line contains zero bytes; expected a header row");
         }
         if line.len() as u64 + 3 >= MAX_HEAD {
             return Err("the first row is longer than 65,000 bytes; expected a header row");
         }
-        self.separator = named.unwrap_or_else(|| separator(line));
+        // A title has no separator.
+        let with_cells = |line: &&[u8]| line.iter().any(|byte| b",;\t|".contains(byte));
+        let head_line = std::iter::once(line).chain(lines.take(MAX_LABELS)).find(with_cells).unwrap_or_default();
+        self.separator = named.unwrap_or_else(|| separator(head_line));
         self.start = named.map(|_| {
             let mut start = Position::new();
             start.set_byte((head.len() - text.len()) as u64).set_line(2);
             start
         });
-        let mut rows = Vec::new();
-        // Reading from memory does not fail.
-        let _ = rows_from(Content::Memory(head), self.separator, self.start.as_ref(), |row| {
+        let (mut rows, mut line, mut foreign) = (Vec::new(), 1, None);
+        rows_from(self.content(), self.separator, self.start.as_ref(), |row| {
             if rows.is_empty() {
-                self.line = row.place(0).0;
-                self.foreign = row.text().err().map(|cell| row.place(cell));
+                line = row.place(0).0;
+                foreign = row.text().err().map(|cell| row.place(cell));
             }
             rows.push(row.record.iter().map(|cell| decoded(cell).trim().to_owned()).collect::<Vec<_>>());
-            rows.len() < 3
+            rows.len() < 2 + MAX_LABELS
         });
-        if rows.get(2).is_some_and(|row| row.iter().any(|cell| cell.starts_with("{\"ImportId\""))) {
-            return Err("has Qualtrics’ labels below its header; expected ratings: remove its second and third rows");
-        }
         let mut rows = rows.into_iter();
+        (self.line, self.foreign) = (line, foreign);
         self.names = rows.next().unwrap_or_default();
+        let below = rows.as_slice();
+        // Qualtrics has two rows of labels.
+        if below.get(1).is_some_and(|row| row.iter().any(|cell| cell.starts_with("{\"ImportId\""))) {
+            self.labels = MAX_LABELS;
+        }
+        self.is_title = self.names.len() == 1 && below.iter().any(|row| row.len() > 1);
+        // R has no name for its row numbers, and other programs none for what follows the last separator.
+        if below.len() > 1 && below.iter().all(|row| row.len() == self.names.len() + 1) {
+            if below.iter().all(|row| row.last().is_some_and(String::is_empty)) {
+                self.names.push(String::new());
+            } else if (1..).zip(below).all(|(number, row)| row[0] == number.to_string()) {
+                self.names.insert(0, String::new());
+            }
+        }
+        let mut rows = rows.skip(self.labels);
         self.first = rows.next();
         Ok(())
     }
 
-    /// Returns the content of the file at `path`, from memory if it was converted.
-    pub fn content<'a>(&'a self, path: &'a Path) -> Content<'a> {
-        self.converted.as_ref().map_or(Content::File(path), |converted| match converted.is_sheet {
-            true => Content::Sheet(&converted.bytes),
-            false => Content::Memory(&converted.bytes),
-        })
+    /// Returns the content of the file.
+    pub fn content(&self) -> Content<'_> {
+        Content { bytes: &self.text.bytes, is_sheet: self.text.is_sheet }
     }
 
     /// Returns the index of a column, the first one with this name.
@@ -382,10 +391,8 @@ impl Header {
         self.positions(name).next()
     }
 
-    /// Returns the indices of all columns with a name, which may be the one in a result file if the table is in BIDS.
+    /// Returns the indices of all columns with a name.
     pub fn positions<'a>(&'a self, name: &'a str) -> impl Iterator<Item = usize> + 'a {
-        let in_bids = IN_BIDS.iter().find(|(ours, _)| self.is_bids && *ours == name);
-        let name = in_bids.map_or(name, |(_, theirs)| theirs);
         (0..self.names.len()).filter(move |index| self.names[*index] == name)
     }
 
@@ -410,7 +417,7 @@ impl Header {
     pub fn error(&self, name: &str, index: usize, message: String) -> FileError {
         if self.columns.is_some() {
             return FileError::whole(name, message);
-        } else if self.converted.as_ref().is_some_and(|converted| converted.is_sheet) {
+        } else if self.text.is_sheet {
             return FileError::at(name, (self.line, index + 1), message);
         }
         let column = self.names.iter().take(index).map(|name| name.chars().count() + 1).sum::<usize>() + 1;
@@ -448,41 +455,33 @@ pub(super) struct Converted {
     pub unusable: Vec<(usize, usize, &'static str)>,
 }
 
-/// Converts a file that begins with `head`: unpacks gzip, takes the first sheet of an Excel workbook, decodes UTF-16, and
-/// replaces carriage returns, with which old spreadsheets end lines, because lines are counted by their line feeds.
-/// `None` if nothing of this is necessary.
+/// Converts a file to text: unpacks gzip, takes the first sheet of an Excel workbook, decodes UTF-16, and replaces carriage
+/// returns, with which old spreadsheets end lines, because lines are counted by their line feeds.
 ///
 /// # Errors
 /// The file cannot be unpacked, or it is too large.
-fn converted(path: &Path, head: &[u8]) -> Result<Option<Converted>, StoreError> {
-    let (is_gzip, is_workbook) = (head.starts_with(b"\x1f\x8b"), head.starts_with(b"PK\x03\x04"));
-    if !is_gzip && !is_workbook && utf16(head).is_none() && !has_old_lines(head) {
-        return Ok(None);
-    }
-    let bytes = read_regular(path, MAX_UNPACKED).map_err(io(path, "read"))?;
-    let mut converted = Converted { bytes, is_sheet: is_workbook, ..Converted::default() };
-    let failed = |message: String| FileErrors::whole(path, message);
-    if is_gzip {
-        converted.bytes = unpacked(MultiGzDecoder::new(&converted.bytes[..]), MAX_UNPACKED).map_err(failed)?;
-    } else if is_workbook {
-        (converted.bytes, converted.note, converted.unusable) = first_sheet(&converted.bytes).map_err(failed)?;
+fn converted(bytes: Vec<u8>) -> Result<Converted, String> {
+    let mut converted = Converted { bytes, ..Converted::default() };
+    let is_packed = [b"\x1f\x8b".as_slice(), b"PK\x03\x04"].iter().any(|first| converted.bytes.starts_with(first));
+    if is_packed && converted.bytes.len() as u64 > MAX_UNPACKED {
+        return Err(format!("has {} bytes; expected at most {MAX_UNPACKED}, or CSV", converted.bytes.len()));
+    } else if converted.bytes.starts_with(b"\x1f\x8b") {
+        converted.bytes = unpacked(MultiGzDecoder::new(&converted.bytes[..]), MAX_UNPACKED)?;
+    } else if is_packed {
+        converted = first_sheet(&converted.bytes)?;
     }
     if let Some(encoding) = utf16(&converted.bytes) {
         converted.bytes = encoding.decode(&converted.bytes).0.into_owned().into_bytes();
     }
-    if has_old_lines(&converted.bytes) {
+    if converted.bytes.contains(&b'\r') && !converted.bytes.contains(&b'\n') {
         converted.bytes.iter_mut().filter(|byte| **byte == b'\r').for_each(|byte| *byte = b'\n');
     }
-    Ok(Some(converted))
+    Ok(converted)
 }
 
 fn utf16(bytes: &[u8]) -> Option<&'static encoding_rs::Encoding> {
     let (encoding, _) = encoding_rs::Encoding::for_bom(bytes)?;
     (encoding != encoding_rs::UTF_8).then_some(encoding)
-}
-
-fn has_old_lines(bytes: &[u8]) -> bool {
-    bytes.contains(&b'\r') && !bytes.contains(&b'\n')
 }
 
 /// Number of columns of a sheet in Excel.
@@ -491,28 +490,28 @@ const MAX_COLUMNS: u32 = 16_384;
 /// Whole numbers below this are exact in a workbook.
 const EXACT: f64 = (1_u64 << 53) as f64;
 
-/// The rows of a sheet as CSV, what a user should know about how it was read, and the cells without an exact value.
-type Sheet = (Vec<u8>, Option<[String; 2]>, Vec<(usize, usize, &'static str)>);
-
 /// Returns the first sheet as CSV with commas. Line numbers are those of the sheet, and every row has as many cells as the
 /// first one that is not empty.
 ///
 /// # Errors
 /// Says what is wrong and what is expected.
-fn first_sheet(file: &[u8]) -> Result<Sheet, String> {
+fn first_sheet(file: &[u8]) -> Result<Converted, String> {
     check_size(file)?;
     // calamine does not check all that it calculates with, such as the row in the name of a cell.
     let read = std::panic::catch_unwind(|| read(file));
     read.unwrap_or_else(|_| Err("is a damaged workbook; expected an Excel workbook (.xlsx), or CSV".to_owned()))
 }
 
-fn read(file: &[u8]) -> Result<Sheet, String> {
+fn read(file: &[u8]) -> Result<Converted, String> {
     let unreadable =
         |error: &dyn std::fmt::Display| format!("is not an Excel workbook (.xlsx): {error}; expected one, or CSV");
     let mut workbook = Xlsx::new(Cursor::new(file)).map_err(|error| unreadable(&error))?;
     let names = workbook.sheet_names();
-    let name = names.first().ok_or_else(|| unreadable(&"it has no sheets"))?;
-    let mut cells = workbook.worksheet_cells_reader(name).map_err(|error| unreadable(&error))?;
+    let is_visible = |name: &&String| {
+        workbook.sheets_metadata().iter().any(|sheet| sheet.name == **name && sheet.visible == SheetVisible::Visible)
+    };
+    let name = names.iter().find(is_visible).or(names.first()).ok_or_else(|| unreadable(&"it has no sheets"))?.clone();
+    let mut cells = workbook.worksheet_cells_reader(&name).map_err(|error| unreadable(&error))?;
     let (mut bytes, mut row, mut width, mut at) = (Vec::new(), Vec::<String>::new(), 0, 0);
     let (mut characters, mut unusable) = (0, Vec::new());
     let limited = |size: usize| match size as u64 > MAX_UNPACKED {
@@ -558,11 +557,10 @@ fn read(file: &[u8]) -> Result<Sheet, String> {
     }
     end_row(&mut row)?;
     let note = (names.len() > 1).then(|| {
-        let others = names[1..].join(", ");
-        let expected = format!("expected one sheet (the others were ignored: {others})");
-        [format!("only the first sheet, {name}, was read"), expected]
+        let others = list(names.iter().filter(|other| **other != name));
+        [format!("only the sheet {name} was read"), format!("expected one sheet (the others were ignored: {others})")]
     });
-    Ok((bytes, note, unusable))
+    Ok(Converted { bytes, note, is_sheet: true, unusable })
 }
 
 /// Returns the text of a cell: a date, a time of day or both as in ISO 8601, and a duration in hours, minutes and seconds.

@@ -13,19 +13,13 @@ use super::{
     files::{self, Header},
     rows::{self, MAX_ROWS, RowError, Rows, Status, column_of},
     selection::{Input, RecordColumns, Selection, layout},
-    source::{Definitions, FileRead, Layout, ReadOptions, Reason, SessionRead, Shape, Source},
+    source::{FileRead, Layout, ReadOptions, Reason, SessionRead, Shape, Source},
 };
 use crate::{
     experiment::{Phase, Protocol, RatingRow},
-    store::{
-        Columns, FileError, FileErrors, StoreError, columns::Texts, dataset, error::io, file, open::read_regular,
-        recorded::interrupted,
-    },
+    store::{Columns, FileError, FileErrors, StoreError, columns::Texts, dataset, recorded::interrupted},
     text::names::natural,
 };
-
-/// Maximum size, in bytes, of a file for which a hash is reported.
-const MAX_HASHED: u64 = 64 << 20;
 
 /// Reads files and folders of files. Every row that counts is added, in the order of the files, to what `new` returns. If
 /// `add` fails, an error is reported at the line and column of the rating, and the row is excluded.
@@ -40,8 +34,7 @@ pub fn read<T>(
     add: impl FnMut(&mut T, &RatingRow<'_>) -> Result<(), String>,
 ) -> Result<(Source, T), FileErrors> {
     let files::Listed { files, errors, warnings, .. } = files::files(paths)?;
-    let definitions = Definitions::default();
-    let opened: Vec<_> = files.par_iter().map(|path| Input::new(path, options, &definitions)).collect();
+    let opened: Vec<_> = files.par_iter().map(|path| Input::new(path, options)).collect();
     let (mut inputs, mut errors, mut failed) = (Vec::new(), errors, Vec::new());
     for (found, path) in opened.into_iter().zip(&files) {
         match found {
@@ -115,7 +108,7 @@ fn read_inputs<T>(
     let (mut reports, mut contents) = (Vec::new(), HashMap::new());
     for (input, mut rows) in selection.inputs.iter().zip(tables) {
         let mut read = add_rows(&selection, &known, input, &mut rows, |row| add(&mut all, row));
-        read.sha256 = hash(input).map_err(|error| FileErrors(error.errors(&input.path)))?;
+        read.sha256.clone_from(&input.header.sha256);
         let may_repeat = input.layout != Layout::Results && selection.inputs.len() > 1;
         if let Some(hash) = read.sha256.clone().filter(|_| may_repeat)
             && let Some(other) = contents.insert(hash, &input.name)
@@ -218,12 +211,12 @@ fn unnamed(selection: &Selection, tables: &[Rows]) -> Vec<FileError> {
     const KINDS: [Kind; 2] = [
         (
             |text| text.eq_ignore_ascii_case("practice"),
-            "are practice according to the column phase",
-            "phase among the factors, with only its other levels, such as phase=main",
+            "are practice",
+            "this column among the factors, with only its other levels",
         ),
         (
             |text| rows::number(text).is_some_and(|attempt| attempt > 1.0),
-            "are later attempts according to the column attempt",
+            "are later attempts",
             "one row for each trial, or the columns subject_id, session_id, phase, trial and attempt, by which only the last \
              attempt counts",
         ),
@@ -237,16 +230,18 @@ fn unnamed(selection: &Selection, tables: &[Rows]) -> Vec<FileError> {
             (found, all) = (found + here, all + rows.status.len());
             first = first.or((here > 0).then_some((input, column)));
         }
-        let message =
-            format!("{found} of {all} rows {what}, which no option names, and count as ratings; expected {expected}");
-        warnings.extend(first.map(|(input, column)| input.error(column, message)));
+        warnings.extend(first.map(|(input, column)| {
+            let name = &input.header.names[column];
+            let where_to = format!("according to the column {name}, which no option names, and count as ratings");
+            input.error(column, format!("{found} of {all} rows {what} {where_to}; expected {expected}"))
+        }));
     }
     warnings
 }
 
 /// Says how a file was read if it is not plain text in UTF-8, or that its session did not end.
 pub(super) fn how_read(input: &Input, rows: &Rows) -> impl Iterator<Item = FileError> {
-    let sheet = input.header.converted.as_ref().and_then(|converted| Some(converted.note.as_ref()?.join("; ")));
+    let sheet = input.header.text.note.as_ref().map(|note| note.join("; "));
     let foreign = rows.foreign.map(|place| {
         let message = "is not UTF-8 text and was read as Windows-1252; expected UTF-8";
         FileError::at(&input.name, place, message)
@@ -432,15 +427,6 @@ fn decide(mut attempts: Vec<Attempt>, sessions: &mut [SessionRead], files: &mut 
             }
         }
     }
-}
-
-/// Returns the SHA-256 of a file, unless it is large.
-fn hash(input: &Input) -> Result<Option<String>, StoreError> {
-    if input.header.size > MAX_HASHED || input.header.columns.is_some() {
-        return Ok(None);
-    }
-    let bytes = read_regular(&input.path, MAX_HASHED).map_err(io(&input.path, "read"))?;
-    Ok(Some(file::sha256(&bytes)))
 }
 
 /// Returns the error that no row counts, with the reasons.

@@ -87,7 +87,7 @@ impl Rows {
     /// Reads the rows of a file, or takes those of a table in memory.
     ///
     /// # Errors
-    /// The file cannot be read to its end.
+    /// A cell that is used has no exact value, or a zero byte.
     pub fn read(input: &Input) -> Result<Self, FileError> {
         let header = &input.header;
         let needed = input.columns.texts();
@@ -109,18 +109,19 @@ impl Rows {
             rows.unwrap_answers(input);
             return Ok(rows);
         }
-        let mut unusable = header.converted.iter().flat_map(|converted| &converted.unusable);
-        if let Some((row, column, problem)) = unusable.find(|(_, column, _)| used.contains(column)) {
+        if let Some((row, column, problem)) = header.text.unusable.iter().find(|(_, column, _)| used.contains(column)) {
             return Err(FileError::at(&input.name, (row + 1, column + 1), *problem));
         }
         let mut rows = Self { foreign: header.foreign, ..Self::default() };
         let mut columns: Vec<Interner> = header.names.iter().map(|_| Interner::default()).collect();
-        let mut is_header = true;
+        let mut heads = 1 + header.labels;
         let Columns { subject, session, record, .. } = input.columns;
         let ids = [Some(subject), session, record.map(|own| own.session)];
-        let read = table::rows_from(header.content(&input.path), header.separator, header.start.as_ref(), |row| {
+        table::rows_from(header.content(), header.separator, header.start.as_ref(), |row| {
             let incomplete = if input.layout == Layout::Results { interrupted(row) } else { None };
-            if std::mem::take(&mut is_header) || is_blank(row, input) {
+            if heads > 0 {
+                heads -= 1;
+            } else if is_blank(row, input) {
             } else if let Some(what) = incomplete {
                 match &input.sidecar {
                     Some(sidecar) if !sidecar.is_sealed() => rows.interrupted = Some(row.place(0).0),
@@ -161,9 +162,6 @@ impl Rows {
             }
             rows.status.len() <= MAX_ROWS
         });
-        read.map_err(|error| {
-            FileError::whole(&input.name, format!("cannot be read completely: {error}; expected a readable file"))
-        })?;
         rows.columns = columns.into_iter().map(Interner::finish).collect();
         rows.unwrap_answers(input);
         Ok(rows)
@@ -196,7 +194,7 @@ impl Rows {
         let (header, mut skipped, mut found) = (&input.header, error.row % MARK, None);
         let from = self.marks.get(error.row / MARK);
         // The row is read again, which is acceptable because errors are rare.
-        let _ = table::rows_from(header.content(&input.path), header.separator, from, |row| {
+        table::rows_from(header.content(), header.separator, from, |row| {
             if is_blank(row, input) {
                 return true;
             }
@@ -269,7 +267,7 @@ const MAX_COUNT: f64 = 1e12;
 /// True if a cell has no value. Words that are only sometimes written for a missing value may name a level, so they are
 /// missing only if all other values of the column are numbers (`among_numbers`).
 pub(super) fn is_missing(text: &str, among_numbers: bool) -> bool {
-    matches!(text, "" | "NA" | "NaN" | "nan" | "NULL" | "#N/A" | "N/A" | "n/a")
+    matches!(text, "" | "NA" | "NaN" | "nan" | "NULL" | "#NULL!" | "#N/A" | "N/A" | "n/a")
         || (among_numbers && matches!(text, "." | "None" | "null"))
 }
 

@@ -1,7 +1,7 @@
 //! Determines what each file is, which files belong together, and which of their columns are read.
 
 use std::{
-    collections::{BTreeSet, HashMap, HashSet},
+    collections::{BTreeSet, HashSet},
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -10,12 +10,12 @@ use serde_json::{Map, Value};
 
 use super::{
     files::{Header, SUBJECT},
-    source::{Definitions, Layout, ReadOptions, Shape},
+    source::{Layout, ReadOptions, Shape},
 };
 use crate::{
-    experiment::{Factor, Protocol, SIMULATED, STIM_FILE, STIMULUS, common_columns},
+    experiment::{Factor, Protocol, SIMULATED, STIMULUS, common_columns},
     stimulus::is_direction,
-    store::{FileError, StoreError, file::exists, session::seal, sidecar::Sidecar},
+    store::{FileError, StoreError, definition, file::exists, session::seal, sidecar::Sidecar, table::shortened},
     text::names::{expected_one_of, some_of},
 };
 
@@ -35,7 +35,7 @@ pub(super) struct Input {
     pub has_sidecar: bool,
     /// The sidecar, without the parts that only a verification needs.
     pub sidecar: Option<Arc<Sidecar>>,
-    pub protocol: Option<Arc<Protocol>>,
+    pub protocol: Option<Protocol>,
     /// Files of the session that differ from the hashes recorded when it ended.
     pub changed: Vec<FileError>,
     /// A description of the file. Files with the same description are read together.
@@ -59,7 +59,7 @@ pub(super) struct Columns {
     pub simulated: Option<usize>,
     /// The columns that only a result file has.
     pub record: Option<RecordColumns>,
-    /// In a table that is no result file, the columns `phase` and `attempt`, unless they have another use.
+    /// In a table that is no result file, the columns `phase` (in BIDS, `trial_type`) and `attempt`, unless they have another use.
     pub unnamed: [Option<usize>; 2],
 }
 
@@ -91,9 +91,6 @@ pub(super) struct Selection {
     pub levels: Vec<Vec<String>>,
 }
 
-/// Description of a session's file that has neither rows nor a sidecar, and may thus belong to any experiment.
-const UNKNOWN: &str = "a session file without rows";
-
 impl Selection {
     /// Selects files, and reports an error for each file that is excluded.
     pub fn new(files: Vec<Input>, options: &ReadOptions) -> (Option<Self>, Vec<FileError>) {
@@ -110,13 +107,12 @@ impl Selection {
         // The files of a folder lack the same.
         let mut said = HashSet::new();
         errors.retain(|error| said.insert(error.message.clone()));
-        join_lost_sidecars(&mut inputs);
         if let Some(error) = mixed(&inputs, options) {
             errors.push(error);
             return (None, errors);
         }
         let Some(first) = inputs.first() else { return (None, errors) };
-        let protocol = inputs.iter().find_map(|file| file.protocol.clone()).map(Arc::unwrap_or_clone);
+        let protocol = inputs.iter().find_map(|file| file.protocol.clone());
         // Without a definition, any scale is possible.
         let own_scale = protocol.as_ref().filter(|_| options.own_scale()).map(|all| all.response.highest());
         let shape = shape(&inputs, (first, own_scale), protocol.as_ref(), options);
@@ -172,15 +168,10 @@ impl Input {
     ///
     /// # Errors
     /// The head of the file has an error; the file or its sidecar cannot be read.
-    pub fn new(
-        path: &Path,
-        options: &ReadOptions,
-        definitions: &Definitions,
-    ) -> Result<(Self, Vec<FileError>), StoreError> {
+    pub fn new(path: &Path, options: &ReadOptions) -> Result<(Self, Vec<FileError>), StoreError> {
         let header = Header::read(path)?;
         let beside = path.with_extension("json");
-        // The sidecar of a table in BIDS is another one.
-        let has_sidecar = !header.is_bids && exists(&beside)?;
+        let has_sidecar = exists(&beside)?;
         let layout = layout(&header, options, has_sidecar);
         let (mut sidecar, mut protocol, mut errors, mut changed) = (None, None, Vec::new(), Vec::new());
         if layout == Layout::Results {
@@ -192,9 +183,9 @@ impl Input {
             }
             if let Some(sidecar) = &mut sidecar {
                 changed = seal::errors(path, sidecar)?;
-                match definitions.protocol(&name, &sidecar.definition) {
-                    Ok((found, hash)) => {
-                        changed.extend(sidecar.definition_error(&beside, &hash));
+                match definition::from_json(&name, &sidecar.definition) {
+                    Ok(found) => {
+                        changed.extend(sidecar.definition_error(&beside, &definition::hash(&found)));
                         protocol = Some(found);
                     }
                     Err(found) => errors.extend(found.0),
@@ -234,17 +225,20 @@ impl Input {
     pub fn place(&self, name: &str) -> Result<usize, FileError> {
         let header = &self.header;
         let places: Vec<usize> = header.positions(name).collect();
-        let is_title = header.names.len() == 1 && header.first.as_ref().is_some_and(|first| first.len() > 1);
         match places[..] {
-            [] if is_title => {
-                let message = "the first line has one cell, and the next has several; expected the names of the columns: remove the \
-                               lines above them";
+            [] if header.is_title => {
+                let message = "the first line has one cell, and a line below it several; expected the names of the columns: remove \
+                               the lines above them";
                 Err(self.error(0, message.to_owned()))
+            }
+            [] if header.names.len() == 1 && !self.in_memory() => {
+                let found = shortened(&header.names[0]);
+                let expected = "expected the names of several columns, with commas, semicolons, tabs or vertical bars between them";
+                Err(self.error(0, format!("the first line has one cell, {found:?}; {expected}")))
             }
             [] => {
                 let known: Vec<&String> = header.names.iter().filter(|name| !name.is_empty()).collect();
-                let sheet = header.converted.as_ref().and_then(|converted| converted.note.as_ref());
-                let sheet = sheet.map_or_else(String::new, |[read, _]| format!(" ({read})"));
+                let sheet = header.text.note.as_ref().map_or_else(String::new, |[read, _]| format!(" ({read})"));
                 let expected = expected_one_of(name, &known);
                 Err(self.error(0, format!("the column {name} is missing{sheet}; {expected}")))
             }
@@ -271,7 +265,7 @@ impl Input {
     fn other_columns(&self, options: &ReadOptions) -> Vec<String> {
         let fixed = common_columns();
         let named = [self.subject(options), options.response(), options.time(), SIMULATED];
-        let named = named.into_iter().chain(options.order.as_deref()).chain(self.header.is_bids.then_some(STIM_FILE));
+        let named = named.into_iter().chain(options.order.as_deref());
         let known = fixed.iter().map(|column| column.name.as_str()).chain(named);
         let known: HashSet<usize> = known.filter_map(|name| self.header.position(name)).collect();
         let names = self.header.names.iter().enumerate();
@@ -322,7 +316,6 @@ fn kind(file: &Input, options: &ReadOptions) -> Result<String, FileError> {
                     let hash = &sidecar.definition_sha256;
                     format!("definition {}", hash.get(..12).unwrap_or(hash))
                 }
-                None if file.experiment().is_none() => return Ok(UNKNOWN.to_owned()),
                 None => match file.other_columns(options).join(", ") {
                     other if other.is_empty() => "no sidecar".to_owned(),
                     other => format!("no sidecar; additional columns {other}"),
@@ -360,29 +353,20 @@ fn without_factors(file: &Input, options: &ReadOptions) -> FileError {
     file.error(0, message)
 }
 
-/// Assigns each session that has lost its sidecar to the definition with its experiment's name, if there is exactly
-/// one.
-fn join_lost_sidecars(files: &mut [Input]) {
-    let known = |file: &Input| Some((file.kind.clone(), file.protocol.clone()?));
-    let definitions: HashMap<String, Arc<Protocol>> = files.iter().filter_map(known).collect();
-    for file in files.iter_mut().filter(|file| file.is_results() && file.sidecar.is_none()) {
-        let fits = |protocol: &Protocol| {
-            Some(protocol.name.as_str()) == file.experiment()
-                && protocol.factors.iter().all(|factor| file.header.position(&factor.name).is_some())
-        };
-        let mut fitting = definitions.iter().filter(|(_, protocol)| fits(protocol));
-        if let (Some((kind, _)), None) = (fitting.next(), fitting.next()) {
-            file.kind.clone_from(kind);
-        }
-    }
-}
-
-/// Returns an error if files do not belong together. If factors were given, tables may be read with sessions.
+/// Returns an error if files do not belong together. If factors were given, tables may be read with sessions. A session that has
+/// lost its sidecar belongs to any with its experiment's name; one that has no rows either belongs to all.
 fn mixed(files: &[Input], options: &ReadOptions) -> Option<FileError> {
-    let known = || files.iter().filter(|file| file.kind != UNKNOWN);
-    known().find_map(|file| {
-        let may_differ = |other: &Input| options.factors.is_some() && other.is_results() != file.is_results();
-        let other = known().find(|other| !may_differ(other)).filter(|other| other.kind != file.kind)?;
+    let is_lost = |file: &Input| file.is_results() && file.sidecar.is_none();
+    let may_differ = |file: &Input, other: &Input| {
+        let are_sessions = file.is_results() && other.is_results();
+        let [own, others] = [file, other].map(Input::experiment);
+        file.kind == other.kind
+            || options.factors.is_some() && file.is_results() != other.is_results()
+            || are_sessions && (is_lost(file) && own.is_none() || is_lost(other) && others.is_none())
+            || are_sessions && is_lost(file) != is_lost(other) && own == others
+    };
+    files.iter().find_map(|file| {
+        let other = files.iter().find(|other| !may_differ(file, other))?;
         let (this, that) = (format!("is {}", file.kind), format!("{} is {}", other.name, other.kind));
         Some(FileError::whole(&file.name, format!("{this}, and {that}; expected files of one experiment")))
     })
@@ -495,7 +479,8 @@ fn columns(file: &Input, factors: &[String], options: &ReadOptions) -> Result<Co
         unnamed: [None; 2],
     };
     let read = columns.texts();
-    columns.unnamed = ["phase", "attempt"].map(|name| header.position(name).filter(|place| !read.contains(place)));
+    let unnamed = |names: &[&str]| names.iter().find_map(|name| header.position(name)).filter(|at| !read.contains(at));
+    columns.unnamed = [unnamed(&["phase", "trial_type"]), unnamed(&["attempt"])];
     let mut taken = HashSet::new();
     let places = [Some(columns.subject), columns.count].into_iter().flatten();
     for place in places.chain(columns.responses.iter().chain(&columns.factors).copied()) {

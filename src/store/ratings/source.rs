@@ -1,19 +1,18 @@
 //! How to read ratings, and the description of what was read.
 
 use std::{
-    collections::{BTreeMap, BTreeSet, HashMap},
+    collections::{BTreeMap, BTreeSet},
     path::PathBuf,
-    sync::{Arc, Mutex, PoisonError},
+    sync::Arc,
 };
 
 use serde::{Serialize, Serializer};
-use serde_json::Value;
 
 use crate::{
     experiment::Protocol,
     stimulus::{MachBand, Parameter},
     store::{
-        FileError, FileErrors, definition,
+        FileError,
         sidecar::Sidecar,
         table::{List, list},
     },
@@ -169,27 +168,6 @@ impl SessionRead {
     /// True if some planned trials are known to be unrated.
     pub fn is_unfinished(&self) -> bool {
         self.planned.is_some_and(|planned| self.rated < planned)
-    }
-}
-
-/// The definitions of all sessions. Sessions with the same definition share it, because there may be thousands of
-/// sessions.
-#[derive(Debug, Default)]
-pub(super) struct Definitions(Mutex<HashMap<String, (Arc<Protocol>, String)>>);
-
-impl Definitions {
-    /// Returns the definition in a sidecar, and its hash.
-    pub fn protocol(&self, file: &str, definition: &Value) -> Result<(Arc<Protocol>, String), FileErrors> {
-        let key = definition.to_string();
-        let known = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(found) = known().get(&key) {
-            return Ok(found.clone());
-        }
-        let found = definition::from_json(file, definition)?;
-        let hash = definition::hash(&found);
-        let found = (Arc::new(found), hash);
-        known().insert(key, found.clone());
-        Ok(found)
     }
 }
 
