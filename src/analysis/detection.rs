@@ -23,20 +23,8 @@ pub struct Answers {
 pub struct Detection {
     /// d′ = z(H) − z(F): the distance between targets and catch trials, in standard deviations of the noise.
     pub d_prime: f64,
-    /// Its standard error (Gourevitch & Galanter 1967, Psychometrika 32, 25).
-    pub d_prime_se: f64,
     /// c = −(z(H) + z(F))/2: above 0 if the observer says yes less readily than an unbiased one.
     pub criterion: f64,
-    /// Its standard error.
-    pub criterion_se: f64,
-}
-
-impl Detection {
-    /// Returns d′, its standard error, c and its standard error; `None` for each without a detection.
-    pub fn numbers(found: Option<Self>) -> [Option<f64>; 4] {
-        let of = |number: fn(Self) -> f64| found.map(number);
-        [of(|own| own.d_prime), of(|own| own.d_prime_se), of(|own| own.criterion), of(|own| own.criterion_se)]
-    }
 }
 
 impl Answers {
@@ -47,13 +35,8 @@ impl Answers {
             return None;
         }
         let share = |yes: u32, all: u32| (f64::from(yes) + 0.5) / (f64::from(all) + 1.0);
-        let (hit, false_alarm) = (share(self.hits, targets), share(self.false_alarms, catches));
-        let (h, f) = (Curve::Normal.inverse(hit), Curve::Normal.inverse(false_alarm));
-        let variance = |p: f64, z: f64, n: u32| {
-            let density = (-0.5 * z * z).exp() / (2.0 * std::f64::consts::PI).sqrt();
-            p * (1.0 - p) / (f64::from(n) * density * density)
-        };
-        let se = (variance(hit, h, targets) + variance(false_alarm, f, catches)).sqrt();
-        Some(Detection { d_prime: h - f, d_prime_se: se, criterion: -0.5 * (h + f), criterion_se: 0.5 * se })
+        let h = Curve::Normal.inverse(share(self.hits, targets));
+        let f = Curve::Normal.inverse(share(self.false_alarms, catches));
+        Some(Detection { d_prime: h - f, criterion: -0.5 * (h + f) })
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{Bar, OutPath, print_line};
 use crate::{
-    analysis::power::{Sampling, ThresholdObserver},
+    analysis::power::Sampling,
     report::document::Shown,
     store::{Writer, definition},
     text::{Cell, Column, Table},
@@ -28,9 +28,10 @@ use crate::{
     normal value, as in R's (1 | subject:factor). The more they differ, the lower the power.\n\n\
     Up to 40 participants, p values of the model come from simulated studies without the effect: as many as --studies, \
     but at least 199 and at most 999.\n\n\
-    Thresholds: for a task with [adaptive], reports the precision of a person's threshold, of the mean and of differences, \
-    and the power to find FACTOR:LEVEL=SHIFT, in base-10 logarithms of the level if the method is logarithmic. NAME=VALUE \
-    sets threshold, subject_sd, slope, lapse or false_alarms. --trials compares numbers of trials.\n\n\
+    Thresholds: for a task with [adaptive], reports the precision of a person's threshold, of the mean and of differences \
+    from the first condition, and how often analyze would find these. FACTOR:LEVEL=SHIFT moves the threshold, in base-10 \
+    logarithms of the level if the method is logarithmic. NAME=VALUE sets threshold, subject_sd, slope, lapse or \
+    false_alarms. --trials compares numbers of trials.\n\n\
     Results depend on the seed but not on the number of threads (ChaCha8, one stream per participant and study).\n\n\
     Examples:\n  machband plan orientation --participants 4,8,12 --effect oblique=0.5\n  \
     machband plan orientation --participants 12 --effect oblique=0.5 --slope orientation_deg=0.5\n  \
@@ -58,12 +59,14 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     let planned = request.plan(&bar);
     bar.clear();
     let found = planned?;
-    let (heading, names, sentences) = match &found {
-        Found::Ratings(planned) => (ratings(planned), RATINGS, planned.sentences(OPTIONS)),
-        Found::Thresholds(planned) => (thresholds(planned), THRESHOLDS, planned.sentences()),
+    let (heading, names, below) = match &found {
+        Found::Ratings(planned) => {
+            (ratings(planned), RATINGS, [vec![String::new()], planned.sentences(OPTIONS)].concat())
+        }
+        Found::Thresholds(planned) => (thresholds(planned), THRESHOLDS, Vec::new()),
     };
     let table = found.table();
-    let lines = [vec![heading, String::new()], shown(&table, names), vec![String::new()], sentences].concat();
+    let lines = [vec![heading, String::new()], shown(&table, names), below].concat();
     lines.iter().try_for_each(|line| print_line(line))?;
     // Written last, so that no result is lost if the path cannot be written.
     if let Some(path) = out {
@@ -95,13 +98,10 @@ fn shown(table: &Table, names: &str) -> Vec<String> {
 
 /// Says what was simulated.
 fn thresholds(planned: &PlannedThresholds) -> String {
-    let ThresholdObserver { threshold, subject_sd, slope, lapse, false_alarms } = planned.observer;
+    let PlannedThresholds { protocol, observer, sampling: Sampling { studies, seed, .. }, .. } = planned;
     format!(
-        "{}: {} studies per number of participants, seed {}; observer threshold={threshold} subject_sd={subject_sd} slope={slope} \
-         lapse={lapse} false_alarms={false_alarms}; differences and errors in {}",
-        planned.protocol.name,
-        planned.sampling.studies,
-        planned.sampling.seed,
+        "{}: {studies} studies per number of participants, seed {seed}; observer {observer}; differences and errors in {}",
+        protocol.name,
         planned.unit(),
     )
 }

@@ -271,7 +271,7 @@ impl Analyze {
             (factor, levels)
         };
         let factors = factors.into_iter().map(order).collect();
-        let mut study = TaskStudy::of_answers(path, &rows, factors, Levels { common, range, model, chosen_by: "" });
+        let mut study = TaskStudy::of_answers(path, &rows, factors, Levels { common, range, model });
         (study.excluded, study.errors) = (exclude, errors);
         study.warnings.extend(notes);
         if missing > 0 {

@@ -20,6 +20,7 @@ use crate::{
     },
     experiment::{Definition, Identity, ObserverParameters as _, OrderedLogit, Protocol, Schedule},
     report::{names, tables::Rows, tasks::task},
+    stimulus::ParameterValue,
     store::{definition, observer},
     text::{
         Table,
@@ -141,8 +142,7 @@ pub struct Planned {
 }
 
 /// The fields that apply to thresholds; the others are about ratings.
-const OF_THRESHOLDS: [&str; 8] =
-    ["experiment", "participants", "effects", "deviations", "studies", "target", "seed", "trials"];
+const OF_THRESHOLDS: [&str; 7] = ["experiment", "participants", "effects", "deviations", "studies", "seed", "trials"];
 
 /// The simulated precision of a plan, and the settings on which it depends.
 #[derive(Clone, Debug)]
@@ -150,8 +150,6 @@ pub struct PlannedThresholds {
     pub protocol: Protocol,
     pub observer: ThresholdObserver,
     pub sampling: Sampling,
-    /// Target power.
-    pub target: f64,
     /// For each number of trials and of participants, each quantity.
     pub found: Vec<Precision>,
 }
@@ -227,7 +225,7 @@ impl Plan {
         let all = participants.iter().map(|people| u64::from(*people)).sum::<u64>() * u64::from(self.studies);
         let progress = progress(watcher, all * plans.len() as u64);
         let found = plans.iter().flat_map(|plan| plan.run(&participants, &sampling, &progress)).collect();
-        Ok(PlannedThresholds { protocol, observer, sampling, target: self.target, found })
+        Ok(PlannedThresholds { protocol, observer, sampling, found })
     }
 
     /// Returns the definition with each number of trials.
@@ -397,42 +395,21 @@ impl PlannedThresholds {
         match *quantity {
             Quantity::Person => "threshold of one person".to_owned(),
             Quantity::Mean => "mean threshold".to_owned(),
-            Quantity::Difference { factor, level, .. } => {
-                let (of, known) = (&self.protocol.factors[factor], Some(self.protocol.stimulus.parameters()));
-                let [level, first] =
-                    [level, 0].map(|place| names::level(known, &of.name, &of.levels[place].to_string()));
-                format!("{} {level} − {first}", names::factor(known, &of.name))
-            }
-        }
-    }
-
-    /// Returns the smallest study of those planned that finds each true difference with the target power.
-    pub fn sentences(&self) -> Vec<String> {
-        let mut told: Vec<&Quantity> = Vec::new();
-        for quantity in self.found.iter().map(|one| &one.quantity) {
-            if quantity.differs() && !told.contains(&quantity) {
-                told.push(quantity);
-            }
-        }
-        let sentence = |quantity: &Quantity| {
-            let own = || self.found.iter().filter(|one| one.quantity == *quantity);
-            let size = |one: &&Precision| (one.participants, one.trials);
-            let certain = own().filter(|one| one.share().1.low >= self.target).min_by_key(size);
-            let likely = own().filter(|one| one.share().0 >= self.target).min_by_key(size);
-            let name = names::capitalized(&self.told(quantity));
-            let target = format!("a power of {:.0}\u{a0}%", 100.0 * self.target);
-            let study = |one: &Precision| {
-                format!("{} participants with {} trials of each condition", one.participants, one.trials)
-            };
-            match (certain, likely) {
-                (Some(one), _) => format!("{name}: {} reach {target}.", study(one)),
-                (_, Some(one)) => {
-                    format!("{name}: {} may reach {target}; only more simulated studies can tell.", study(one))
+            Quantity::Difference { condition, .. } => {
+                let (known, conditions) = (Some(self.protocol.stimulus.parameters()), self.protocol.conditions());
+                let (mut others, mut firsts) = (Vec::new(), Vec::new());
+                for (i, factor) in self.protocol.factors.iter().enumerate() {
+                    let [other, first] =
+                        [condition, 0].map(|condition| &factor.levels[conditions[condition].levels[i]]);
+                    if other != first {
+                        let level = |level: &ParameterValue| names::level(known, &factor.name, &level.to_string());
+                        others.push(format!("{} {}", names::factor(known, &factor.name), level(other)));
+                        firsts.push(level(first).to_string());
+                    }
                 }
-                _ => format!("{name}: none of these studies reaches {target}."),
+                format!("{} − {}", others.join(", "), firsts.join(", "))
             }
-        };
-        told.into_iter().map(sentence).collect()
+        }
     }
 
     /// Returns one row for each number of participants and of trials, and each quantity.
@@ -440,7 +417,6 @@ impl PlannedThresholds {
         const TRUTH: &str =
             "True difference, on the scale of the method: base-10 logarithms of the level if it is logarithmic.";
         const HALF_WIDTH: &str = "Median of half the width of the 95 % interval, on the scale of the method.";
-        const SLOPE: &str = "Slope of their psychometric functions, on the scale of the method.";
         const FALSE_ALARMS: &str = "Proportion of studies that find a difference that is not there.";
         let truth = |found: &Precision| found.quantity.truth();
         // One participant has no interval, which could exclude 0.
@@ -448,9 +424,6 @@ impl PlannedThresholds {
         let share = |found: &Precision, is_true: bool| {
             tested(found).filter(|_| found.quantity.differs() == is_true).map(|_| found.share().0)
         };
-        let rate = "Their rate of yes answers to stimuli without a target.";
-        let sd = "Standard deviation of their thresholds, on the scale of the method.";
-        let observer = &self.observer;
         Rows::new(&self.found)
             .column("experiment", "Name of the definition.", |_| self.protocol.name.as_str())
             .column("participants", "Number of participants.", |found| found.participants)
@@ -458,7 +431,7 @@ impl PlannedThresholds {
             .column("estimate", "What is estimated.", |found| self.told(&found.quantity))
             .column("truth", TRUTH, truth)
             .column("estimates", "Number of estimates in the simulated studies.", |found| found.studies)
-            .column("found", "Number of studies whose 95 % interval excludes 0.", |found| {
+            .column("found", "Number of studies that find the difference.", |found| {
                 tested(found).map(|_| found.found as f64)
             })
             .column("missing", "Number of estimates that are not possible or have no interval.", |found| found.missing)
@@ -469,12 +442,8 @@ impl PlannedThresholds {
             .column("error", "Root mean square of estimate minus truth, on the scale of the method.", |found| {
                 found.error
             })
-            .column("threshold", "Mean threshold of the simulated people, as a level.", |_| observer.threshold)
-            .column("subject_sd", sd, |_| observer.subject_sd)
-            .column("slope", SLOPE, |_| observer.slope)
-            .column("lapse", "Their lapse rate.", |_| observer.lapse)
-            .column("false_alarm_rate", rate, |_| observer.false_alarms)
             .column("seed", "Seed of the simulation.", |_| self.sampling.seed)
+            .column("observer", "Simulated observer.", |_| self.observer.to_string())
             .table()
     }
 }

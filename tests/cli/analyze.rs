@@ -551,7 +551,7 @@ fn reversed_functions_have_no_threshold() {
     assert!(printed.contains(&format!("{says} (")) && printed.contains(": p3."), "{printed}");
     assert_eq!(table(&folder.path().join("a/population.csv")).1[0][0], "3");
     let report = fs::read_to_string(folder.path().join("a/report.html")).unwrap();
-    assert!(!report.contains("below the lowest level"), "{report}");
+    assert!(!report.contains("lies beyond the levels"), "{report}");
 }
 
 /// With many pairs of conditions, some would seem to differ by chance.
@@ -583,9 +583,9 @@ fn a_flat_function_has_no_threshold_on_any_side() {
     let rows = "level,right,n\n1,10,20\n2,10,20\n4,10,20\n8,10,20\n";
     let [printed, _] = answers(folder.path(), rows, "--guess free --log");
     assert!(printed.contains("is not determined by the answers") && !printed.contains("lies"), "{printed}");
-    // Equal answers near the highest that are possible say on which side it most probably lies.
+    // Equal answers near the highest that are possible say that it lies below them.
     let [printed, _] = answers(folder.path(), "level,right,n\n5,10,10\n6,10,10\n7,10,10\n", "--guess 0.5");
-    assert!(printed.contains("was not measured: the most probable one lies below the lowest level, 5."), "{printed}");
+    assert!(printed.contains("was not measured: the most probable one lies beyond the levels, 5 to 7."), "{printed}");
     // Nor do equal answers say which end of the levels is easier.
     let rows = [0.01, 0.02, 0.04, 0.08, 0.16, 0.32].map(|level| format!("{level},30,30\n")).concat();
     let [printed, _] = answers(folder.path(), &format!("level,right,n\n{rows}"), "--guess 0.5 --log");

@@ -321,6 +321,10 @@ fn tables_of_other_programs_are_read() {
            2: --function weibull => --function weibull: uses logarithms of the level; expected logistic or normal, or the option --log
            2: --link probit => --link: does not apply to answers at levels"#,
     );
+    for (total, answers) in [("0", "0"), ("1e9", "5000000000")] {
+        fs::write(path("wrong.csv"), format!("x,right,n\n{}", format!("0.1,0,{total}\n").repeat(5))).unwrap();
+        refused(&format!("1: => wrong.csv: has {answers} answers; expected 1 to 4294967295"));
+    }
 }
 
 /// Planned studies find a difference that is not there in about 5 % of cases, and a large one nearly always; more people
@@ -348,7 +352,7 @@ fn studies_of_thresholds_are_planned() {
     // Rows: 20 trials of 4 people, of 10, 50 trials of 4, of 10; each with person, mean and difference.
     assert_eq!(numbers(&large, "participants").len(), 12);
     assert!(power[11] > 0.8, "{power:?}");
-    assert!(error[6] < 0.8 * error[0], "{error:?}");
+    assert!(error[6] < 0.8 * error[0] && error[11] < 0.2, "{error:?}");
     assert!(width[4] < width[1] && width[7] < width[1] && width[10] < width[4], "{width:?}");
 
     // Trials that no session could order are no reason to simulate.
@@ -370,6 +374,7 @@ fn studies_of_thresholds_are_planned() {
         2: threshold-width --terms width => does not apply to thresholds
         2: threshold-width --link probit => does not apply to thresholds
         2: threshold-width --preregistration p.md => --preregistration: does not apply to thresholds
+        2: threshold-width --target 0.9 => --target: does not apply to thresholds
         2: threshold-width --alpha 0.01 => --alpha: does not apply to thresholds";
     refuses(folder.path(), "plan {} --participants 4", cases);
 }

@@ -501,7 +501,7 @@ fn a_threshold_beyond_the_levels_is_no_number() {
     succeeds(folder.path(), &simulate.split(' ').collect::<Vec<_>>());
     let printed = succeeds(folder.path(), &["analyze", "results/threshold-width", "--out", "analysis"]);
     assert_eq!(printed.matches("was not measured").count(), 2, "{printed}");
-    assert!(printed.contains("lies below the lowest level, 0.005"), "{printed}");
+    assert!(printed.contains("lies beyond the levels, 0.005 to"), "{printed}");
     assert!(!printed.contains("differ") && !printed.contains("on average"), "{printed}");
     let rows = records(&folder.path().join("analysis/thresholds.csv"));
     assert!(rows.iter().filter(|row| row["is_beyond"] == "1").count() >= 14, "{rows:?}");

@@ -5,11 +5,12 @@
 //! normal deviation of the person, the [`Shift`]s of the levels of the condition, and for each [`Slope`] a normal
 //! deviation at each level of its factor, all on the scale on which the method counts.
 
+use std::fmt;
+
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 
 use super::{
     Sampling, Shift, Slope,
@@ -17,7 +18,7 @@ use super::{
 };
 use crate::{
     analysis::tasks::{
-        population::{self, Mean, Population},
+        population::{self, Population},
         psychometric::{Guess, Model, Point, estimate},
     },
     experiment::{
@@ -29,8 +30,7 @@ use crate::{
 };
 
 /// How participants see.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ThresholdObserver {
     /// The mean threshold of the population, as a level: there, F = ½.
     pub threshold: f64,
@@ -43,6 +43,16 @@ pub struct ThresholdObserver {
     pub lapse: f64,
     /// The share of yes answers to a stimulus without a target, 0…0.9, in tasks in which it depends on the participant.
     pub false_alarms: f64,
+}
+
+impl fmt::Display for ThresholdObserver {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { threshold, subject_sd, slope, lapse, false_alarms } = self;
+        write!(
+            f,
+            "threshold={threshold} subject_sd={subject_sd} slope={slope} lapse={lapse} false_alarms={false_alarms}"
+        )
+    }
 }
 
 impl ThresholdObserver {
@@ -80,12 +90,10 @@ pub enum Quantity {
     Person,
     /// The mean threshold over people in one condition.
     Mean,
-    /// The difference of thresholds between a level of a factor and its first level.
+    /// The threshold of a condition minus that of the first one.
     Difference {
-        /// Position of the factor in the definition.
-        factor: usize,
-        /// Position of the level.
-        level: usize,
+        /// Position of the condition.
+        condition: usize,
         /// The true difference, on the scale of the method.
         truth: f64,
     },
@@ -114,7 +122,7 @@ pub struct Precision {
     pub quantity: Quantity,
     /// Number of studies.
     pub studies: usize,
-    /// Number of studies whose interval of a difference excludes 0.
+    /// Number of studies in which the analysis says that the conditions differ.
     pub found: usize,
     /// Number of estimates that are not possible or have no interval.
     pub missing: usize,
@@ -125,7 +133,7 @@ pub struct Precision {
 }
 
 impl Precision {
-    /// Returns the share of studies whose interval excludes 0, with its 95 % interval (Clopper and Pearson).
+    /// Returns the share of studies that find a difference, with its 95 % interval (Clopper and Pearson).
     pub fn share(&self) -> (f64, Interval) {
         (self.found as f64 / self.studies as f64, Interval::of_proportion(self.found, self.studies))
     }
@@ -144,8 +152,14 @@ pub struct ThresholdPlan {
     slopes: Vec<(usize, f64)>,
 }
 
-/// An estimate of one study: the estimated value, half the width of its interval, and the true value.
-type Estimated = Option<(f64, Option<Interval>, f64)>;
+/// An estimate of one study.
+struct Estimate {
+    value: f64,
+    interval: Option<Interval>,
+    truth: f64,
+    /// Whether it is a difference that the analysis finds.
+    is_found: bool,
+}
 
 impl ThresholdPlan {
     /// Plans a study.
@@ -167,27 +181,25 @@ impl ThresholdPlan {
         Ok(Self { protocol: protocol.clone(), adaptive, model, observer, shifts, slopes })
     }
 
-    /// Returns the quantities that are estimated: a difference for each level of a factor but the first.
+    /// Returns the quantities that are estimated: a difference for each condition but the first.
     pub fn quantities(&self) -> Vec<Quantity> {
-        let factors = self.protocol.factors.iter().enumerate();
-        let differences = factors.flat_map(|(factor, of)| {
-            (1..of.levels.len()).map(move |level| {
-                let truth = self.shift(factor, level) - self.shift(factor, 0);
-                Quantity::Difference { factor, level, truth }
-            })
-        });
-        [Quantity::Person, Quantity::Mean].into_iter().chain(differences).collect()
+        let conditions = self.protocol.conditions();
+        let difference = |condition: usize| {
+            let truth = self.shift(&conditions[condition]) - self.shift(&conditions[0]);
+            Quantity::Difference { condition, truth }
+        };
+        [Quantity::Person, Quantity::Mean].into_iter().chain((1..conditions.len()).map(difference)).collect()
     }
 
-    fn shift(&self, factor: usize, level: usize) -> f64 {
-        let own = self.shifts.iter().filter(|shift| (shift.0, shift.1) == (factor, level));
+    /// Returns by how much the levels of a condition move the threshold.
+    fn shift(&self, condition: &Condition) -> f64 {
+        let own = self.shifts.iter().filter(|(factor, level, _)| condition.levels[*factor] == *level);
         own.map(|(_, _, size)| size).sum()
     }
 
     /// Returns the true mean threshold of a condition.
     fn truth(&self, condition: &Condition) -> f64 {
-        let shifts = condition.levels.iter().enumerate().map(|(factor, level)| self.shift(factor, *level));
-        self.adaptive.common.scaled(self.observer.threshold) + shifts.sum::<f64>()
+        self.adaptive.common.scaled(self.observer.threshold) + self.shift(condition)
     }
 
     /// Simulates studies of each number of participants. `progress` learns of participants whose sessions are done.
@@ -199,21 +211,21 @@ impl ThresholdPlan {
                 progress(people.into());
                 found
             };
-            let studies: Vec<Vec<Vec<Estimated>>> = (0..sampling.studies).into_par_iter().map(study).collect();
+            let studies: Vec<Vec<Vec<Option<Estimate>>>> = (0..sampling.studies).into_par_iter().map(study).collect();
             let precision = |(i, quantity): (usize, &Quantity)| {
                 let all = || studies.iter().flat_map(|study| &study[i]);
                 let known = || all().filter_map(|one| one.as_ref());
-                let intervals = || known().filter_map(|(_, interval, _)| *interval);
+                let intervals = || known().filter_map(|one| one.interval);
                 // The threshold of one person has none.
                 let expected = if *quantity == Quantity::Person { known().count() } else { intervals().count() };
-                let errors: Vec<f64> = known().map(|(value, _, truth)| (value - truth).powi(2)).collect();
+                let errors: Vec<f64> = known().map(|one| (one.value - one.truth).powi(2)).collect();
                 let mean = errors.iter().sum::<f64>() / errors.len() as f64;
                 Precision {
                     participants: people,
                     trials: self.adaptive.common.trials,
                     quantity: quantity.clone(),
                     studies: all().count(),
-                    found: intervals().filter(|one| one.low > 0.0 || one.high < 0.0).count(),
+                    found: known().filter(|one| one.is_found).count(),
                     missing: all().count() - expected,
                     half_width: median(intervals().map(|one| (one.high - one.low) / 2.0).collect()),
                     error: (!errors.is_empty()).then_some(mean.sqrt()),
@@ -225,7 +237,7 @@ impl ThresholdPlan {
     }
 
     /// Simulates a study; returns the estimates of each quantity.
-    fn study(&self, people: u32, study: u64, seed: u64, quantities: &[Quantity]) -> Vec<Vec<Estimated>> {
+    fn study(&self, people: u32, study: u64, seed: u64, quantities: &[Quantity]) -> Vec<Vec<Option<Estimate>>> {
         let sessions: Vec<Answered> = (0..people).map(|person| self.session(person, study, seed)).collect();
         let conditions = self.protocol.conditions();
         let populations: Vec<Option<Population>> = (0..conditions.len())
@@ -235,36 +247,39 @@ impl ThresholdPlan {
                 population::fit(&points, &self.model).ok()
             })
             .collect();
-        // The mean over the conditions that have a level of a factor, of each person.
-        let at = |factor: usize, level: usize| -> Option<Vec<f64>> {
-            let has = |(condition, _): &(&Condition, &Option<Population>)| condition.levels[factor] == level;
-            let all: Option<Vec<&Population>> =
-                conditions.iter().zip(&populations).filter(has).map(|(_, population)| population.as_ref()).collect();
-            // Without an interval, the contributions say nothing about how people differ.
-            let has_intervals = |all: &Vec<&Population>| all.iter().all(|population| population.interval.is_some());
-            let all = all.filter(|all| !all.is_empty() && has_intervals(all))?;
-            let mean = |person: usize| all.iter().map(|of| of.contributions[person]).sum::<f64>() / all.len() as f64;
-            Some((0..people as usize).map(mean).collect())
-        };
-        let of = |quantity: &Quantity| -> Vec<Estimated> {
+        // Without an interval, the contributions say nothing about how people differ.
+        let compared = populations.iter().enumerate().filter_map(|(condition, population)| {
+            let population = population.as_ref().filter(|population| population.interval.is_some())?;
+            Some((condition, population.contributions.iter().copied().enumerate().collect()))
+        });
+        let differences = population::differences(&compared.collect::<Vec<_>>());
+        let of = |quantity: &Quantity| -> Vec<Option<Estimate>> {
             match *quantity {
                 Quantity::Person => {
                     let own = sessions.iter().flat_map(|session| session.points.iter().zip(&session.thresholds));
-                    own.map(|(points, truth)| Some((estimate(points, &self.model).ok()?.threshold, None, *truth)))
-                        .collect()
+                    own.map(|(points, truth)| {
+                        let value = estimate(points, &self.model).ok()?.threshold;
+                        Some(Estimate { value, interval: None, truth: *truth, is_found: false })
+                    })
+                    .collect()
                 }
                 Quantity::Mean => {
                     let all = populations.iter().zip(conditions.iter());
                     all.map(|(found, of)| {
-                        found.as_ref().map(|found| (found.function.threshold, found.interval, self.truth(of)))
+                        let Population { function, interval, .. } = found.as_ref()?;
+                        let (value, truth) = (function.threshold, self.truth(of));
+                        Some(Estimate { value, interval: *interval, truth, is_found: false })
                     })
                     .collect()
                 }
-                Quantity::Difference { factor, level, truth } => {
-                    let pairs = at(factor, level).zip(at(factor, 0));
-                    let mean =
-                        pairs.map(|(one, first)| Mean::of_differences(&one.into_iter().zip(first).collect::<Vec<_>>()));
-                    vec![mean.map(|mean| (mean.mean, mean.interval, truth))]
+                Quantity::Difference { condition, truth } => {
+                    let found = differences.iter().find(|difference| difference.conditions == [0, condition]);
+                    vec![found.map(|found| Estimate {
+                        value: -found.mean.mean,
+                        interval: found.mean.interval.map(|interval| interval.scaled(-1.0)),
+                        truth,
+                        is_found: found.is_clear(),
+                    })]
                 }
             }
         };

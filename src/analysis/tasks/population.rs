@@ -12,16 +12,16 @@
 //! of trials, the amounts are weighted as in a meta-analysis (Hartung & Knapp 2001, Stat. Med. 20, 3875), because the t
 //! interval assumes that they vary equally.
 
-use std::{array::from_fn, f64::consts::PI};
+use std::{array::from_fn, collections::BTreeMap, f64::consts::PI};
 
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 use super::{
-    model::{Estimate, Model, Point, Posterior, Priors, ln_binomial},
+    model::{Estimate, Model, Point, Posterior, Priors, ln_likelihood},
     numeric::{curvature, highest},
 };
-use crate::statistics::{Interval, mean_and_sd, t_quantile, t_two_sided};
+use crate::statistics::{Interval, holm, mean_and_sd, t_quantile, t_two_sided};
 
 /// The thresholds of people in one condition.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -36,7 +36,7 @@ pub struct Population {
     /// The lowest and the highest level: those of the model, or of all people's points.
     pub range: [f64; 2],
     /// What each person contributes to μ, which is the mean of the contributions, in the order of their answers: not
-    /// shrunken, so that contributions can be compared between conditions ([`Mean::of_differences`]). It is not an estimate
+    /// shrunken, so that contributions can be compared between conditions ([`differences`]). It is not an estimate
     /// of the person's threshold where people have unequal numbers of trials.
     pub contributions: Vec<f64>,
     /// The logarithm of the likelihood, without binomial coefficients.
@@ -55,8 +55,8 @@ pub fn fit(people: &[Vec<Point>], model: &Model) -> Result<Population, &'static 
         return Err("expected two or more people, each with trials");
     }
     let all = people.concat();
-    let priors = Priors::new(&all, model)?;
     let binomial = Model { overdispersed: false, ..*model };
+    let priors = Priors::new(&all, &binomial)?;
     let single = |points: &[Point]| Posterior::with(points, &binomial, priors).most_probable();
     let own: Vec<Estimate> = people.iter().map(|points| single(points)).collect();
     let common = single(&all);
@@ -140,7 +140,7 @@ impl Answers<'_> {
         // A population without differences is a narrow one.
         let sd = x[SD].abs().max(1e-4 * at.width);
         let ln_likelihood =
-            |threshold: f64| ln_binomial(self.model, &self.people[person], &Estimate { threshold, ..at });
+            |threshold: f64| ln_likelihood(self.model, &self.people[person], &Estimate { threshold, ..at });
         let ln_normal = |threshold: f64| -((threshold - at.threshold) / sd).powi(2) / 2.0;
         let start = self.starts[person].clamp(at.threshold - 5.0 * sd, at.threshold + 5.0 * sd);
         let (peak, scale) = peak(&ln_likelihood, at.threshold, sd, at.width, start);
@@ -295,10 +295,35 @@ impl Mean {
         let (Interval { low, high }, df) = (self.interval?, self.people as f64 - 1.0);
         Some(t_two_sided(self.mean / ((high - low) / 2.0 / t_quantile(df)), df))
     }
+}
 
-    /// Returns the mean difference of the same people's values in two conditions, the first minus the second. Each pair
-    /// is one person.
-    pub fn of_differences(pairs: &[(f64, f64)]) -> Self {
-        Self::new(&pairs.iter().map(|(first, second)| first - second).collect::<Vec<_>>())
+/// How the thresholds of two conditions differ.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Difference {
+    /// The conditions.
+    pub conditions: [usize; 2],
+    /// The first minus the second, of the people who have both.
+    pub mean: Mean,
+    /// p of the t test with Holm's correction for all pairs; `None` without an interval.
+    pub p: Option<f64>,
+}
+
+impl Difference {
+    /// Returns whether the conditions clearly differ.
+    pub fn is_clear(&self) -> bool {
+        self.p.is_some_and(|p| p < 0.05)
     }
+}
+
+/// Compares every two conditions by what people contribute to their mean thresholds, if several people have both.
+pub fn differences(all: &[(usize, BTreeMap<usize, f64>)]) -> Vec<Difference> {
+    let pairs = all.iter().enumerate().flat_map(|(i, one)| all[i + 1..].iter().map(move |two| (one, two)));
+    let compared = pairs.map(|((one, first), (two, second))| {
+        let both = first.iter().filter_map(|(person, value)| Some(value - second.get(person)?));
+        Difference { conditions: [*one, *two], mean: Mean::new(&both.collect::<Vec<_>>()), p: None }
+    });
+    let mut found: Vec<Difference> = compared.filter(|difference| difference.mean.people > 1).collect();
+    let corrected = holm(&found.iter().map(|difference| difference.mean.p()).collect::<Vec<_>>());
+    found.iter_mut().zip(corrected).for_each(|(difference, p)| difference.p = p);
+    found
 }

@@ -68,11 +68,7 @@ fn cards(form: &mut DefinitionForm, ui: &mut Ui, kind: &str) {
         let found = varied(form);
         form.rebuild(|draft| {
             draft.set_task(name);
-            let is_adjusted = Task::options(name).iter().any(|option| option.value == OptionValue::Parameter(false));
-            if let Some((parameter, levels)) = found.filter(|_| is_adjusted) {
-                draft.set("task.parameter", parameter, Typed::Text);
-                set_ends(draft, "task", &levels);
-            }
+            begin(draft, "task", Task::options(name), found);
             if !Task::read(name, &mut Defaults).is_some_and(|task| task.adapts()) {
                 draft.set_method(None);
             }
@@ -131,9 +127,9 @@ fn method(form: &mut DefinitionForm, ui: &mut Ui) {
         let found = varied(form).filter(|_| form.draft.get("adaptive.parameter").is_none());
         form.rebuild(|draft| {
             draft.set_method(method);
-            if let (Some(method), Some((parameter, levels))) = (method, found) {
-                draft.set("adaptive.parameter", parameter, Typed::Text);
-                begin(draft, method, &levels);
+            if let Some(method) = method {
+                let options = Method::options(method);
+                begin(draft, "adaptive", &[Common::OPTIONS, options].concat(), found);
             }
         });
     }
@@ -163,25 +159,21 @@ fn varied(form: &DefinitionForm) -> Option<(&'static str, Vec<f64>)> {
     with(3).or_else(|| with(2))
 }
 
-/// Gives a method levels to begin with.
-fn begin(draft: &mut Draft, method: &str, levels: &[f64]) {
-    let has = |key: &str| Method::options(method).iter().any(|option| option.key == key);
-    if has("levels") {
-        let texts: Vec<String> = levels.iter().map(ToString::to_string).collect();
-        draft.set("adaptive.levels", &texts.join(", "), Typed::Values);
-    }
-    if has("start") {
-        set_ends(draft, "adaptive", levels);
-        draft.set("adaptive.start", &levels[levels.len() - 1].to_string(), Typed::Value);
-    }
-    if method == "constant" {
-        draft.set("adaptive.trials", &(levels.len() * AT_EACH_LEVEL).to_string(), Typed::Value);
-    }
-}
-
-fn set_ends(draft: &mut Draft, table: &str, levels: &[f64]) {
-    for (key, level) in [("low", levels[0]), ("high", levels[levels.len() - 1])] {
-        draft.set(&format!("{table}.{key}"), &level.to_string(), Typed::Value);
+/// Gives the options of a table a parameter and levels to begin with, if any were found.
+fn begin(draft: &mut Draft, table: &str, options: &[TaskOption], found: Option<(&str, Vec<f64>)>) {
+    let Some((parameter, levels)) = found else { return };
+    let texts: Vec<String> = levels.iter().map(ToString::to_string).collect();
+    let is_constant = table == "adaptive" && draft.get("adaptive.method").is_some_and(|method| method == "constant");
+    for option in options {
+        let (text, typed) = match option.key {
+            "parameter" => (parameter.to_owned(), Typed::Text),
+            "levels" => (texts.join(", "), Typed::Values),
+            "low" => (texts[0].clone(), Typed::Value),
+            "high" | "start" => (texts[texts.len() - 1].clone(), Typed::Value),
+            "trials" if is_constant => ((texts.len() * AT_EACH_LEVEL).to_string(), Typed::Value),
+            _ => continue,
+        };
+        draft.set(&format!("{table}.{}", option.key), &text, typed);
     }
 }
 

@@ -156,18 +156,19 @@ impl Studies {
 
     /// Returns the dialog that finds how many participants the study needs.
     fn plan(&self, protocol: &Protocol) -> RequestForm {
-        let about = "Simulates studies of several sizes, and says which is large enough. Separate numbers by commas.";
+        let about =
+            "Simulates studies of several sizes, and says how often each finds an effect. Separate numbers by commas.";
         let planned = protocol.plan.participants.map_or_else(|| "8, 16, 24".to_owned(), |planned| planned.to_string());
         let mut shown = vec![
             ("participants", "Numbers of participants", planned, ""),
             ("effects", EFFECTS, String::new(), "FACTOR:LEVEL=SIZE"),
             ("deviations", DEVIATIONS, String::new(), "FACTOR=SD"),
-            ("target", "Target power", String::new(), ""),
             ("studies", "Simulated studies", "200".to_owned(), ""),
         ];
-        if let Some(adaptive) = &protocol.adaptive {
-            shown.push(("trials", "Trials", adaptive.common.trials.to_string(), ""));
-        }
+        shown.push(match &protocol.adaptive {
+            Some(adaptive) => ("trials", "Trials", adaptive.common.trials.to_string(), ""),
+            None => ("target", "Target power", String::new(), ""),
+        });
         let given = [("experiment", self.form.experiment.clone())];
         RequestForm::new(["Plan", "Simulate"], about.to_owned(), &shown, &given, Job::plan)
     }

@@ -60,13 +60,20 @@ fn planned(found: &Found) -> Vec<String> {
     let line = |one: &Precision| {
         let people = count(one.participants.into(), "participant");
         // One participant has no interval, and thus no test.
-        let half_width = one.half_width.map_or_else(String::new, |half| format!(" ± {half:.3}"));
+        let precision = match (one.half_width, one.error) {
+            (Some(half), _) => format!(" ± {half:.3}"),
+            (None, Some(error)) => format!(", error {error:.3}"),
+            (None, None) => String::new(),
+        };
         let is_tested = one.half_width.is_some() && one.quantity.differs();
         let power = if is_tested { format!(", power {:.0}\u{a0}%", 100.0 * one.share().0) } else { String::new() };
-        format!("{people}, {} trials: {}{half_width}{power}", one.trials, planned.told(&one.quantity))
+        format!("{people}, {} trials: {}{precision}{power}", one.trials, planned.told(&one.quantity))
     };
-    let unit = format!("Half the width of the 95 % interval follows ±, in {}.", planned.unit());
-    planned.found.iter().map(line).chain([unit]).chain(planned.sentences()).collect()
+    let unit = format!(
+        "Half the width of the 95 % interval follows ±; an error is the root mean square of estimate minus truth; both in {}.",
+        planned.unit()
+    );
+    planned.found.iter().map(line).chain([unit]).collect()
 }
 
 /// What a check found.

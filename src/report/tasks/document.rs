@@ -2,7 +2,7 @@
 
 use super::{
     further,
-    results::{Beyond, PersonFunction, TaskResults},
+    results::{PersonFunction, TaskResults},
     study::{Asked, Levels, TaskStudy},
 };
 use crate::{
@@ -19,7 +19,7 @@ use crate::{
         figures::Figure,
         study::{Provenance, definition},
     },
-    statistics::{Interval, holm},
+    statistics::Interval,
 };
 
 /// Describes a study; `provenance` says how to repeat the analysis.
@@ -64,7 +64,7 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
         section.text(format!("Left out on request: {}.", list(&study.excluded)));
     }
     section.list(further::summary(study, results));
-    let Some(Levels { common, .. }) = &study.asked.levels else { return section };
+    let Some(Levels { common, range: [low, high], .. }) = &study.asked.levels else { return section };
     let name = study.asked.factor(&common.parameter);
     let sentence = |(condition, population): &(usize, Population)| {
         let of = study.at(*condition);
@@ -74,13 +74,13 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
         format!("The mean threshold of {name}{of} is {}{interval} across {who}.", level(population.function.threshold))
     };
     section.list(results.populations.iter().map(sentence).collect());
-    let beyond = |(condition, place): &(usize, Beyond)| {
-        let (of, place) = (study.at(*condition), end(common, *place));
-        format!(
-            "The threshold of {name}{of} was not measured: the most probable one of at least half of the participants lies {place}."
-        )
-    };
-    results.beyond.iter().map(beyond).for_each(|sentence| section.warning(sentence));
+    let beyond = format!("beyond the levels, {low} to {high}");
+    for condition in &results.beyond {
+        let of = study.at(*condition);
+        section.warning(format!(
+            "The threshold of {name}{of} was not measured: the most probable one of at least half of the participants lies {beyond}."
+        ));
+    }
     if results.populations.is_empty() && results.beyond.is_empty() {
         let of_person = |function: &PersonFunction| {
             let (who, of) = (&study.people[function.person], study.at(function.condition));
@@ -91,12 +91,12 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
             let level = level(common, Some(fit.threshold));
             let interval = with_interval(Some(fit.threshold), &level);
             let says_nothing = fit.range.iter().all(|end| fit.threshold.contains(*end));
-            let what = match (function.beyond, function.threshold()) {
-                (Some(place), _) if !says_nothing => {
-                    format!("was not measured: the most probable one lies {}", end(common, place))
+            let what = match function.threshold() {
+                None if function.is_beyond() && !says_nothing => {
+                    format!("was not measured: the most probable one lies {beyond}")
                 }
-                (_, Some(threshold)) => format!("is {}{interval}", level(threshold)),
-                (_, None) => format!("is not determined by the answers{interval}"),
+                Some(threshold) => format!("is {}{interval}", level(threshold)),
+                None => format!("is not determined by the answers{interval}"),
             };
             Some(format!("{who}: the threshold of {name}{of} {what}."))
         };
@@ -110,28 +110,19 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
 /// Says for each pair of conditions whether their thresholds clearly differ.
 fn compared(section: &mut Section, study: &TaskStudy, results: &TaskResults, common: &Common) {
     let all = &results.differences;
-    let corrected = holm(&all.iter().map(|(_, difference)| difference.p()).collect::<Vec<_>>());
     let corrected_by = if all.len() > 1 { ", Holm-corrected" } else { "" };
-    for ((pair, difference), p) in all.iter().zip(corrected) {
-        let Some(interval) = difference.interval else { continue };
-        let ([one, two], level) = (pair.map(|one| study.name(one)), level(common, Some(interval)));
+    for difference in all {
+        let Some(interval) = difference.mean.interval else { continue };
+        let ([one, two], level) = (difference.conditions.map(|one| study.name(one)), level(common, Some(interval)));
         let kind = if common.log { "ratio of the thresholds" } else { "difference of the thresholds" };
         section.text(format!(
             "The {kind} at {one} and at {two} is {}{} over {}{}, {}.",
-            level(difference.mean),
+            level(difference.mean.mean),
             with_interval(Some(interval), &level),
-            count(difference.people as u64, "participant"),
-            p.map(|p| format!(" ({}{corrected_by})", p_is(p))).unwrap_or_default(),
-            if p.is_some_and(|p| p < 0.05) { "so they differ" } else { "so it is not clear that they differ" },
+            count(difference.mean.people as u64, "participant"),
+            difference.p.map(|p| format!(" ({}{corrected_by})", p_is(p))).unwrap_or_default(),
+            if difference.is_clear() { "so they differ" } else { "so it is not clear that they differ" },
         ));
-    }
-}
-
-/// Says where beyond the levels a threshold lies.
-fn end(common: &Common, place: Beyond) -> String {
-    match place {
-        Beyond::Below(low) => format!("below the lowest level, {}", common.level(low)),
-        Beyond::Above(high) => format!("above the highest level, {}", common.level(high)),
     }
 }
 
@@ -144,10 +135,9 @@ fn data(study: &TaskStudy, figures: &[Figure]) -> Section {
         facts.push(("Sessions", whole(study.files.len() as u64).to_string()));
     }
     facts.extend([("Participants", short_list(&study.people, 20)), ("Answers", whole(study.answers()).to_string())]);
-    if let Some(Levels { common, range: [low, high], chosen_by, .. }) = &asked.levels {
-        let by = if chosen_by.is_empty() { String::new() } else { format!(", chosen by {chosen_by}") };
+    if let Some(Levels { common, range: [low, high], .. }) = &asked.levels {
         let name = study.asked.factor(&common.parameter);
-        facts.push(("Levels", format!("{name} from {low} to {high}{by}")));
+        facts.push(("Levels", format!("{name} from {low} to {high}")));
     }
     section.facts("What was asked and answered", facts);
     section.figures(figures, &["stimulus"]);
@@ -162,7 +152,6 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> O
     }
     let mut section = Section::new("thresholds", "Thresholds");
     section.figures(figures, &["psychometric", "thresholds"]);
-    populations(&mut section, study, results, common);
     functions(&mut section, study, results, common);
     doubts(&mut section, study, results);
     let failed =
@@ -171,44 +160,25 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> O
     Some(section)
 }
 
-/// Adds the thresholds over participants, if there are any.
-fn populations(section: &mut Section, study: &TaskStudy, results: &TaskResults, common: &Common) {
-    if results.populations.is_empty() {
-        return;
-    }
-    let plain = further::scaled(false, None);
-    TableOf::new("Thresholds over participants, by condition", &results.populations)
-        .text("Condition", |(condition, _)| study.name(*condition))
-        .number("Participants", |(_, own)| whole(own.contributions.len() as u64))
-        .number("Mean threshold", |(_, own)| level(common, own.interval)(own.function.threshold))
-        .number("95\u{a0}% interval", |(_, own)| range(own.interval, level(common, own.interval)))
-        .number("SD", |(_, own)| plain(own.sd))
-        .number("Width", |(_, own)| plain(own.function.width))
-        .number("Guess rate", |(_, own)| unit(own.function.guess))
-        .number("Lapse rate", |(_, own)| unit(own.function.lapse))
-        .add_to(section);
-    if common.log {
-        section.note("The standard deviation and the width are in base-10 logarithms of the level.");
-    }
-}
-
 /// Adds the psychometric function of each participant.
 fn functions(section: &mut Section, study: &TaskStudy, results: &TaskResults, common: &Common) {
-    let rows: Vec<(&PersonFunction, Option<&Fit>)> =
-        results.functions.iter().map(|function| (function, function.described())).collect();
-    let level = |fit: Option<&Fit>| level(common, fit.map(|fit| fit.threshold));
-    let slope = |fit: Option<&Fit>| further::scaled(false, fit.map(|fit| fit.slope_interval));
-    TableOf::new("The psychometric function of each participant", &rows)
-        .text("Participant", |(function, _)| &study.people[function.person])
-        .text("Condition", |(function, _)| study.name(function.condition))
-        .number("Trials", |(function, _)| whole(function.trials()))
-        .number("Threshold", |(own, fit)| own.threshold().map_or_else(|| fixed(None, 0), level(*fit)))
-        .number("95\u{a0}% interval", |(_, fit)| range(fit.map(|fit| fit.threshold), level(*fit)))
-        .number("Slope", |(_, fit)| fit.and_then(Fit::determined_slope).map_or_else(|| fixed(None, 0), slope(*fit)))
-        .number("95\u{a0}% interval of the slope", |(_, fit)| range(fit.map(|fit| fit.slope_interval), slope(*fit)))
-        .number("Guess rate", |(_, fit)| unit(fit.map(|fit| fit.estimate.guess)))
-        .number("Lapse rate", |(_, fit)| unit(fit.map(|fit| fit.estimate.lapse)))
-        .number("p of the fit", |(function, _)| probability(function.goodness.map(|goodness| goodness.p)))
+    let level = |own: &PersonFunction| level(common, own.described().map(|fit| fit.threshold));
+    let slope = |own: &PersonFunction| further::scaled(false, own.described().map(|fit| fit.slope_interval));
+    TableOf::new("The psychometric function of each participant", &results.functions)
+        .text("Participant", |own| &study.people[own.person])
+        .text("Condition", |own| study.name(own.condition))
+        .number("Trials", |own| whole(own.trials()))
+        .number("Threshold", |own| own.threshold().map_or_else(|| fixed(None, 0), level(own)))
+        .number("95\u{a0}% interval", |own| range(own.described().map(|fit| fit.threshold), level(own)))
+        .number("Slope", |own| {
+            own.described().and_then(Fit::determined_slope).map_or_else(|| fixed(None, 0), slope(own))
+        })
+        .number("95\u{a0}% interval of the slope", |own| {
+            range(own.described().map(|fit| fit.slope_interval), slope(own))
+        })
+        .number("Guess rate", |own| unit(own.described().map(|fit| fit.estimate.guess)))
+        .number("Lapse rate", |own| unit(own.described().map(|fit| fit.estimate.lapse)))
+        .number("p of the fit", |own| probability(own.goodness.map(|goodness| goodness.p)))
         .add_to(section);
 }
 
@@ -217,14 +187,10 @@ fn of(study: &TaskStudy, function: &PersonFunction) -> String {
     format!("{}{}", study.people[function.person], study.at(function.condition))
 }
 
-/// Names the functions that are `wanted`.
-fn told(study: &TaskStudy, results: &TaskResults, wanted: &dyn Fn(&PersonFunction) -> bool) -> Vec<String> {
-    results.functions.iter().filter(|function| wanted(function)).map(|function| of(study, function)).collect()
-}
-
 /// Says which functions mean nothing.
 fn reversed(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
-    let odd = told(study, results, &|function| function.is_reversed);
+    let odd = results.functions.iter().filter(|function| function.is_reversed);
+    let odd: Vec<String> = odd.map(|function| of(study, function)).collect();
     if !odd.is_empty() {
         section.warning(format!(
             "According to the answers, the other end of the levels is easier, so these functions mean nothing and are left out (easier = \
@@ -236,38 +202,17 @@ fn reversed(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
 
 /// Says what the answers do not determine.
 fn doubts(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
-    let told = |wanted: &dyn Fn(&PersonFunction) -> bool| told(study, results, wanted);
-    let beyond = told(&|function| function.described().is_some_and(|fit| fit.is_extrapolated));
-    if !beyond.is_empty() {
+    for (condition, _) in results.populations.iter().filter(|(_, population)| population.interval.is_none()) {
         section.warning(format!(
-            "The interval of a threshold reaches beyond the levels, where only the prior limits it: {}.",
-            short_list(&beyond, 12)
+            "The mean threshold{} has no interval: the functions of all participants rise between the same two levels, or their thresholds \
+             are the same. It is not compared with others.",
+            study.at(*condition)
         ));
-    }
-    let steep = told(&|function| function.described().is_some_and(|fit| fit.is_steep));
-    if !steep.is_empty() {
-        section.note(format!(
-            "These functions rise between two or three neighboring levels, so their slopes may be above the intervals: {}.",
-            short_list(&steep, 12)
-        ));
-    }
-    for (condition, population) in &results.populations {
-        let [low, high] = population.range;
-        let what = match population.interval {
-            None => {
-                "has no interval: the functions of all participants rise between the same two levels, or their thresholds are the same. It is \
-                 not compared with others."
-            }
-            Some(mean) if mean.low < low || mean.high > high => {
-                "has an interval that reaches beyond the levels, where no answers limit it."
-            }
-            Some(_) => continue,
-        };
-        section.warning(format!("The mean threshold{} {what}", study.at(*condition)));
     }
     section.note(
         "A threshold or slope is left out if its most probable value lies outside its interval, or a threshold beyond the levels: the answers \
-         do not determine it. If p of the fit is small, answers vary more than a psychometric function allows.",
+         do not determine it. Where an interval reaches beyond the levels, only the prior limits it. If p of the fit is small, answers vary \
+         more than a psychometric function allows.",
     );
 }
 
@@ -314,8 +259,8 @@ fn model_of_a_person(model: &Model) -> String {
         Curve::Normal => "cumulative normal",
     };
     let guess = match model.guess {
-        Guess::Fixed(guess) => format!("the guess rate γ is {}", unit(guess)),
-        Guess::Free => "the guess rate γ is estimated".to_owned(),
+        Guess::Fixed(guess) => format!("the guess rate γ is {}, and the lapse rate λ is estimated", unit(guess)),
+        Guess::Free => "the guess rate γ and the lapse rate λ are estimated".to_owned(),
     };
     let range = if model.range.is_some() { " that could be shown" } else { " of each participant" };
     let varies = if model.overdispersed {
@@ -325,10 +270,10 @@ fn model_of_a_person(model: &Model) -> String {
         "Answers vary binomially."
     };
     format!(
-        "The psychometric function is ψ(x) = γ + (1 − γ − λ)·F(x) with a {curve} F; {guess}, and the lapse rate λ is \
-         estimated. {varies} The threshold is the level with F = ½, so that guesses and lapses do not move it{}. It is the most probable one \
-         under the priors of Schütt, Harmeling, Macke & Wichmann (2016, Vision Res. 122, 105), over the range of the levels{range}; its \
-         95\u{a0}% interval lies between quantiles of its marginal posterior distribution. The goodness of fit compares the \
+        "The psychometric function is ψ(x) = γ + (1 − γ − λ)·F(x) with a {curve} F; {guess}. {varies} The threshold is the level with F = ½, \
+         so that guesses and lapses do not move it{}. It is the most probable one under the priors of Schütt, Harmeling, Macke & Wichmann \
+         (2016, Vision Res. 122, 105), over the range of the levels{range}; its 95\u{a0}% interval lies between quantiles of 60,000 draws \
+         from the posterior distribution (Goodman & Weare 2010, Commun. Appl. Math. Comput. Sci. 5, 65). The goodness of fit compares the \
          deviance with those of 1,000 simulated studies (Wichmann & Hill 2001, Percept. Psychophys. 63, 1293).",
         match model.guess {
             Guess::Fixed(guess) if guess > 0.0 =>

@@ -87,14 +87,14 @@ fn thresholds(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
         (study.levels(condition).join(", "), all)
     };
     let axis = study.asked.axis(&common.parameter, common.log);
-    let of_each = if study.people.len() > 1 {
-        "The threshold of each participant, and the mean over participants, with 95\u{a0}% intervals"
-    } else {
-        "Thresholds with 95\u{a0}% intervals"
-    };
-    let caption = format!("{of_each}; {}.{}", count(study.answers(), "answer"), symbols(study));
+    let caption = format!(
+        "The threshold of each participant, and the mean if there are several, with 95\u{a0}% intervals; {}.{}",
+        count(study.answers(), "answer"),
+        symbols(study)
+    );
     let series: Vec<_> = measured(study, results).map(series).collect();
-    estimates("thresholds", &people_and_mean(study), &series, ("Thresholds", &axis, caption))
+    let places = [&study.people[..], &["mean".to_owned()]].concat();
+    estimates("thresholds", &places, &series, ("Thresholds", &axis, caption))
 }
 
 /// Says what the symbols of a figure stand for, if there are several.
@@ -104,10 +104,6 @@ fn symbols(study: &TaskStudy) -> String {
         0 | 1 => String::new(),
         _ => format!(" The symbols are the levels of {}.", list(&names)),
     }
-}
-
-fn people_and_mean(study: &TaskStudy) -> Vec<String> {
-    study.people.iter().cloned().chain(["mean".to_owned()]).collect()
 }
 
 fn scale(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
@@ -129,7 +125,7 @@ fn scale(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
     let caption = format!(
         "Scale values of Thurstone\u{2019}s Case V, lowest first; two conditions one JND apart are told apart in 75\u{a0}% of comparisons. {bars}; {}, {}.{}",
         count(study.people.len() as u64, "participant"),
-        count(study.trials.len() as u64, "comparison"),
+        count(study.compared.len() as u64, "comparison"),
         if groups.len() > 1 { format!(" {APART}") } else { String::new() }
     );
     estimates("scale", &places, &series, ("Scale of the comparisons", "Scale value (JND)", caption))

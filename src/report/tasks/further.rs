@@ -1,11 +1,11 @@
 //! Sections about detection, comparisons and settings.
 
 use super::{
-    results::{Comparisons, Detected, OfPerson, TaskResults},
+    results::{Comparisons, OfPerson, TaskResults},
     study::TaskStudy,
 };
 use crate::{
-    analysis::{comparisons::Scale, detection::Detection, tasks::population::Mean},
+    analysis::{comparisons::Scale, tasks::population::Mean},
     experiment::task::{Dial, Measures},
     report::{
         document::{Section, Shown, TableOf, count, fixed, range, significant, unit, whole, with_interval},
@@ -109,20 +109,22 @@ fn order(study: &TaskStudy, found: &Comparisons) -> Vec<String> {
         |items: &mut dyn Iterator<Item = usize>| items.map(|item| study.name(item)).collect::<Vec<_>>().join("; ");
     let of_group = |group: &Vec<usize>| {
         // A weak prior decides how far those are away that were always or never chosen.
-        let span = format!("The ends are {} JND apart; conditions", fixed(scale.span(group), 1));
-        let span = if scale.is_limited { "Conditions" } else { &span };
+        let span = if scale.is_limited {
+            String::new()
+        } else {
+            format!(" The ends are {} JND apart.", fixed(scale.span(group), 1))
+        };
         // Then all conditions may be alike.
         let is_open = |intervals: &Vec<Interval>| group.iter().all(|item| intervals[*item].contains(0.0));
         let may = match found.intervals.as_ref().is_some_and(is_open) {
             true => " All intervals include 0, the mean of the scale, so this order may be chance.",
             false => "",
         };
-        format!(
-            "From the highest to the lowest on the scale: {}.{may} {span} one JND apart are told apart in 75\u{a0}% of comparisons.",
-            names(&mut group.iter().copied()),
-        )
+        let items = names(&mut group.iter().copied());
+        format!("From the highest to the lowest on the scale: {items}.{may}{span}")
     };
     let mut all: Vec<String> = order.iter().map(of_group).collect();
+    all.push("Conditions one JND apart are told apart in 75\u{a0}% of comparisons.".to_owned());
     if order.len() > 1 {
         all.push(APART.to_owned());
     }
@@ -179,16 +181,13 @@ fn detection(study: &TaskStudy, results: &TaskResults) -> Section {
          less readily than by an unbiased observer. Half an answer is added to each count (Hautus 1995), so that proportions of 0 and 1 stay \
          finite; with few trials, this pulls d’ toward 0."
     });
-    let number = |place: usize| move |own: &OfPerson<Detected>| fixed(Detection::numbers(own.found.1)[place], 2);
     begun(study, "Detection by each participant", &results.detection)
         .number("Hits", |own| whole(own.found.0.hits.into()))
         .number("Misses", |own| whole(own.found.0.misses.into()))
         .number("False alarms", |own| whole(own.found.0.false_alarms.into()))
         .number("Correct rejections", |own| whole(own.found.0.correct_rejections.into()))
-        .number("d’", number(0))
-        .number("SE of d’", number(1))
-        .number("c", number(2))
-        .number("SE of c", number(3))
+        .number("d’", |own| fixed(own.found.1.map(|found| found.d_prime), 2))
+        .number("c", |own| fixed(own.found.1.map(|found| found.criterion), 2))
         .add_to(&mut section);
     section
 }

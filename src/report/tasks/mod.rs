@@ -9,7 +9,7 @@ mod tables;
 
 pub use document::document;
 pub use figures::figures;
-pub use results::{Beyond, Comparisons, Detected, OfPerson, PersonFunction, TaskResults};
-pub use study::{Asked, Levels, TaskAnswered, TaskStudy, TaskTrial};
+pub use results::{Comparisons, Detected, OfPerson, PersonFunction, TaskResults};
+pub use study::{Asked, Given, Levels, TaskStudy};
 pub(crate) use study::{answers, task};
 pub use tables::tables;

@@ -5,14 +5,14 @@ use std::collections::BTreeMap;
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
 use rayon::prelude::*;
 
-use super::study::{Levels, TaskAnswered, TaskStudy};
+use super::study::{Given, Levels, TaskStudy};
 use crate::{
     analysis::{
         comparisons::{Scale, Scaling, Triads, Wins},
         detection::{Answers, Detection},
         settings::Settings,
         tasks::{
-            population::{self, Mean, Population},
+            population::{self, Difference, Population},
             psychometric::{self, Fit, GoodnessOfFit, Guess, Model, Point},
         },
     },
@@ -27,11 +27,11 @@ pub struct TaskResults {
     pub functions: Vec<PersonFunction>,
     /// The thresholds of people, by condition.
     pub populations: Vec<(usize, Population)>,
-    /// The conditions whose thresholds lie beyond the levels that could be shown, where only the prior places them, and on
-    /// which side: at least half of the people's, or their mean.
-    pub beyond: Vec<(usize, Beyond)>,
+    /// The conditions whose thresholds lie beyond the levels that could be shown, where only the prior places them: at least
+    /// half of the people's, or their mean.
+    pub beyond: Vec<usize>,
     /// Differences between the thresholds of two conditions, of the people who have both.
-    pub differences: Vec<([usize; 2], Mean)>,
+    pub differences: Vec<Difference>,
     /// The number of correct answers of each person and condition, and of all, if no levels were varied.
     pub shares: Vec<OfPerson<[u32; 2]>>,
     /// Hits and false alarms of each person and condition, with sensitivity and criterion.
@@ -94,31 +94,17 @@ impl PersonFunction {
 
     /// Returns the most probable threshold, if the answers determine one within the levels.
     pub fn threshold(&self) -> Option<f64> {
-        self.described()?.determined_threshold().filter(|_| self.beyond.is_none())
+        self.described()?.determined_threshold().filter(|_| !self.is_beyond())
+    }
+
+    /// Returns whether the most probable threshold lies beyond the levels.
+    pub fn is_beyond(&self) -> bool {
+        self.described().is_some_and(|fit| is_beyond(fit.range, fit.estimate.threshold))
     }
 
     /// Returns the number of trials with a target.
     pub fn trials(&self) -> u64 {
         self.targets().map(|point| u64::from(point.total)).sum()
-    }
-}
-
-/// Where beyond the levels a threshold lies, with the last level on that side, on the scale on which the method counts.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Beyond {
-    /// Below the lowest level.
-    Below(f64),
-    /// Above the highest level.
-    Above(f64),
-}
-
-impl Beyond {
-    /// Returns on which side of a range a value lies; `None` within it. A value at an end is beyond: the search ends there
-    /// if the answers say only that the threshold is not in the range.
-    pub fn of([low, high]: [f64; 2], value: f64) -> Option<Self> {
-        let near = 1e-6 * (high - low);
-        let above = (value >= high - near).then_some(Self::Above(high));
-        if value <= low + near { Some(Self::Below(low)) } else { above }
     }
 }
 
@@ -135,8 +121,6 @@ pub struct PersonFunction {
     pub fit: Result<Fit, &'static str>,
     /// How well it fits.
     pub goodness: Option<GoodnessOfFit>,
-    /// Where the most probable threshold lies, if beyond the levels.
-    pub beyond: Option<Beyond>,
     /// Whether more answers count at the end of the levels that is said to be harder, so that the function means nothing.
     pub is_reversed: bool,
 }
@@ -157,75 +141,50 @@ impl TaskResults {
         if let Some(Levels { common, model, .. }) = &study.asked.levels {
             results.functions = functions(points(study, &results.detection, common, model), model, seed);
             for (condition, population) in populations(study, &results.functions, model) {
-                let place = majority(&results.functions, condition);
-                match place.or(Beyond::of(population.range, population.function.threshold)) {
-                    Some(place) => results.beyond.push((condition, place)),
-                    None => results.populations.push((condition, population)),
+                let own = || sound(&results.functions, condition);
+                let are_beyond = 2 * own().filter(|function| function.is_beyond()).count() >= own().count();
+                if are_beyond || is_beyond(population.range, population.function.threshold) {
+                    results.beyond.push(condition);
+                } else {
+                    results.populations.push((condition, population));
                 }
             }
-            results.differences = differences(&contributions(&results.populations, &results.functions));
+            results.differences = population::differences(&contributions(&results.populations, &results.functions));
         }
         results
     }
 }
 
-/// Gathers the answers of each person in each condition, in this order of both, for which `one` returns something.
-fn by_person<T: Default, A>(
-    study: &TaskStudy,
-    one: impl Fn(&TaskAnswered) -> Option<A>,
-    add: impl Fn(&mut T, A),
-) -> Vec<OfPerson<T>> {
-    let mut all: BTreeMap<(usize, usize), T> = BTreeMap::new();
-    for trial in &study.trials {
-        if let Some(answer) = one(&trial.answer) {
-            add(all.entry((trial.condition, trial.person)).or_default(), answer);
-        }
-    }
-    all.into_iter().map(|((condition, person), found)| OfPerson { person, condition, found }).collect()
-}
-
-/// Returns whether trials had a target, in how many it was seen or chosen, and their number.
-fn seen(answer: &TaskAnswered) -> Option<(bool, u32, u32)> {
-    match *answer {
-        TaskAnswered::Seen { is_target, seen, total, .. } => Some((is_target, seen, total)),
-        _ => None,
-    }
+/// Returns what follows from the answers of each person in each condition, in this order of both, if anything does.
+fn of_people<T>(study: &TaskStudy, one: impl Fn(&Given) -> Option<T>) -> Vec<OfPerson<T>> {
+    let own = |(&(condition, person), given)| Some(OfPerson { person, condition, found: one(given)? });
+    study.given.iter().filter_map(own).collect()
 }
 
 fn shares(study: &TaskStudy) -> Vec<OfPerson<[u32; 2]>> {
     if study.asked.measures != Some(Measures::Proportions) || study.asked.levels.is_some() {
         return Vec::new();
     }
-    by_person(study, seen, |[right, all]: &mut [u32; 2], (_, seen, total)| {
-        (*right, *all) = (*right + seen, *all + total);
-    })
+    of_people(study, |given| Some(given.seen()))
 }
 
 fn detection(study: &TaskStudy) -> Vec<OfPerson<Detected>> {
     if study.asked.measures != Some(Measures::Detection) {
         return Vec::new();
     }
-    let all = by_person(study, seen, |answers: &mut Answers, (is_target, seen, total)| {
-        let (yes, no) = match is_target {
-            true => (&mut answers.hits, &mut answers.misses),
-            false => (&mut answers.false_alarms, &mut answers.correct_rejections),
-        };
-        (*yes, *no) = (*yes + seen, *no + total - seen);
-    });
-    let with = |OfPerson { person, condition, found }: OfPerson<Answers>| {
-        let sensitivity = found.detection().filter(|_| study.asked.levels.is_none());
-        OfPerson { person, condition, found: (found, sensitivity) }
-    };
-    all.into_iter().map(with).collect()
+    of_people(study, |given| {
+        let ([hits, targets], [false_alarms, catches]) = (given.seen(), given.catches);
+        let answers =
+            Answers { hits, misses: targets - hits, false_alarms, correct_rejections: catches - false_alarms };
+        Some((answers, answers.detection().filter(|_| study.asked.levels.is_none())))
+    })
 }
 
 fn comparisons(study: &TaskStudy, seed: u64) -> Option<Comparisons> {
     let items = study.asked.conditions.len();
     let mut people = vec![Wins::zeros(items, items); study.people.len()];
-    for trial in &study.trials {
-        let TaskAnswered::Compared { other, first_won } = trial.answer else { continue };
-        let place = if first_won { (trial.condition, other) } else { (other, trial.condition) };
-        people[trial.person][place] += 1.0;
+    for (person, [winner, loser]) in &study.compared {
+        people[*person][(*winner, *loser)] += 1.0;
     }
     let all: Wins = people.iter().sum();
     let scales = [Scaling::Thurstone.fit(&all)?, Scaling::BradleyTerry.fit(&all)?];
@@ -237,15 +196,8 @@ fn comparisons(study: &TaskStudy, seed: u64) -> Option<Comparisons> {
 
 fn settings(study: &TaskStudy) -> Vec<OfPerson<Settings>> {
     let log = study.asked.dial.as_ref().is_some_and(|dial| dial.log);
-    let set = |answer: &TaskAnswered| match *answer {
-        TaskAnswered::Set { value, from_above } => Some((if log { value.log10() } else { value }, from_above)),
-        _ => None,
-    };
-    let all = by_person(study, set, |values: &mut Vec<(f64, Option<bool>)>, value| values.push(value));
-    let one = |OfPerson { person, condition, found }: OfPerson<Vec<_>>| {
-        Some(OfPerson { person, condition, found: Settings::of(&found)? })
-    };
-    all.into_iter().filter_map(one).collect()
+    let scaled = |(value, from_above): &(f64, Option<bool>)| (if log { value.log10() } else { *value }, *from_above);
+    of_people(study, |given| Settings::of(&given.values.iter().map(scaled).collect::<Vec<_>>()))
 }
 
 /// Returns the answers at each level of each person and condition. If the guess rate is estimated, catch trials come with
@@ -256,12 +208,12 @@ fn points(
     common: &Common,
     model: &Model,
 ) -> Vec<OfPerson<Vec<Point>>> {
-    let counted = |answer: &TaskAnswered| match *answer {
-        TaskAnswered::Seen { level, is_target: true, seen, total } if total > 0 => Some((level?, seen, total)),
-        _ => None,
-    };
-    let mut all = by_person(study, counted, |points, (level, seen, total)| {
-        Point::add(points, common.scaled(level), seen, total);
+    let mut all = of_people(study, |given| {
+        let mut points = Vec::new();
+        for (level, seen, total) in given.targets.iter().filter(|(.., total)| *total > 0) {
+            Point::add(&mut points, common.scaled((*level)?), *seen, *total);
+        }
+        Some(points).filter(|points| !points.is_empty())
     });
     let second = study.asked.protocol.as_ref().and_then(|protocol| protocol.adaptive.as_ref()?.second());
     let levels = second.map_or(1, |second| second.levels.len());
@@ -283,9 +235,8 @@ fn functions(points: Vec<OfPerson<Vec<Point>>>, model: &Model, seed: u64) -> Vec
         rng.set_stream(index as u64);
         let fit = psychometric::fit(&points, model);
         let goodness = psychometric::goodness_of_fit(&points, model, SIMULATIONS, &mut rng).ok();
-        let beyond = fit.as_ref().ok().and_then(|fit| Beyond::of(fit.range, fit.estimate.threshold));
         let is_reversed = is_reversed(&points, model);
-        PersonFunction { person, condition, points, fit, goodness, beyond, is_reversed }
+        PersonFunction { person, condition, points, fit, goodness, is_reversed }
     };
     points.into_par_iter().enumerate().map(function).collect()
 }
@@ -322,33 +273,21 @@ fn is_reversed(points: &[Point], model: &Model) -> bool {
     share > 0.0 && share < 1.0 && (if model.falls { -z } else { z }) < -CLEAR
 }
 
-/// Returns the side of the levels on which the thresholds of at least half of the people lie, if they do, with the last
-/// level of the first of them.
-fn majority(functions: &[PersonFunction], condition: usize) -> Option<Beyond> {
-    let own = || sound(functions, condition);
-    let below = |place: &Beyond| matches!(place, Beyond::Below(_));
-    let on = |side: bool| own().filter_map(|function| function.beyond).filter(move |place| below(place) == side);
-    [true, false].into_iter().find_map(|side| on(side).next().filter(|_| 2 * on(side).count() >= own().count()))
+/// Returns whether a value lies beyond a range. One at an end does: the search ends there if the answers say only that the
+/// threshold is not in the range.
+fn is_beyond([low, high]: [f64; 2], value: f64) -> bool {
+    let near = 1e-6 * (high - low);
+    value <= low + near || value >= high - near
 }
 
-/// The contributions of people to the mean threshold of a condition.
-type Contributions = BTreeMap<usize, f64>;
-
 /// Returns the contributions in each condition that has an interval; without one, they say nothing about how people differ.
-fn contributions(populations: &[(usize, Population)], functions: &[PersonFunction]) -> Vec<(usize, Contributions)> {
+fn contributions(
+    populations: &[(usize, Population)],
+    functions: &[PersonFunction],
+) -> Vec<(usize, BTreeMap<usize, f64>)> {
     let own = |(condition, population): &(usize, Population)| {
         let people = sound(functions, *condition).zip(&population.contributions);
         (*condition, people.map(|(function, own)| (function.person, *own)).collect())
     };
     populations.iter().filter(|(_, population)| population.interval.is_some()).map(own).collect()
-}
-
-/// Compares two conditions by the people who have both, if there are several.
-fn differences(all: &[(usize, Contributions)]) -> Vec<([usize; 2], Mean)> {
-    let pairs = all.iter().enumerate().flat_map(|(i, one)| all[i + 1..].iter().map(move |two| (one, two)));
-    let compared = pairs.map(|((one, first), (two, second))| {
-        let both = first.iter().filter_map(|(person, value)| Some((*value, *second.get(person)?)));
-        ([*one, *two], Mean::of_differences(&both.collect::<Vec<_>>()))
-    });
-    compared.filter(|(_, difference)| difference.people > 1).collect()
 }

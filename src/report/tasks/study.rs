@@ -10,7 +10,7 @@ use crate::{
     analysis::tasks::psychometric::Model,
     experiment::{
         Factor, Phase, Protocol, Replayed,
-        task::{Adaptive, Answer, Common, Dial, Measures, Method, Second, Task},
+        task::{Adaptive, Answer, Common, Dial, Measures, Second, Task},
     },
     report::names,
     stimulus::{ParameterValue, Stimulus},
@@ -55,8 +55,6 @@ pub struct Levels {
     pub range: [f64; 2],
     /// What is known about the functions.
     pub model: Model,
-    /// What chose the levels, such as `a staircase`; empty if it is not known.
-    pub chosen_by: &'static str,
 }
 
 impl Asked {
@@ -88,15 +86,6 @@ impl Asked {
     }
 }
 
-/// Names a method that chooses levels in a sentence.
-fn method(method: &Method) -> &'static str {
-    match method {
-        Method::Staircase(_) => "a staircase",
-        Method::QuestPlus(_) => "QUEST+",
-        Method::Constant(_) => "the method of constant stimuli",
-    }
-}
-
 /// Names a task in words.
 pub(crate) fn task(task: &Task) -> &'static str {
     match task.measures() {
@@ -124,7 +113,6 @@ impl From<&Protocol> for Asked {
             common: adaptive.common.clone(),
             range: adaptive.range(),
             model,
-            chosen_by: method(&adaptive.method),
         });
         let mut factors = protocol.factors.clone();
         let mut conditions: Vec<Vec<usize>> =
@@ -163,8 +151,10 @@ pub struct TaskStudy {
     pub simulated: usize,
     /// How many sessions are not complete.
     pub unfinished: usize,
-    /// The last attempts of all main trials.
-    pub trials: Vec<TaskTrial>,
+    /// The answers of each person in each condition, by their indices: the condition's first.
+    pub given: BTreeMap<(usize, usize), Given>,
+    /// The comparisons: the person, the condition that was chosen, and the other one.
+    pub compared: Vec<(usize, [usize; 2])>,
     /// What is wrong with the files.
     pub errors: Vec<FileError>,
     /// Warnings about files that were read anyway: files that were changed after their session ended, links that lead out
@@ -174,45 +164,22 @@ pub struct TaskStudy {
     pub excluded: Vec<String>,
 }
 
-/// One answered trial.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TaskTrial {
-    /// Index into [`TaskStudy::people`].
-    pub person: usize,
-    /// Index into the conditions; of a comparison, that of the first stimulus.
-    pub condition: usize,
-    /// The answer.
-    pub answer: TaskAnswered,
+/// The answers of a person to the main trials of a condition, the last attempt of each.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Given {
+    /// Of trials with a target: the level, if there is one, in how many the target was seen or chosen, and their number.
+    pub targets: Vec<(Option<f64>, u32, u32)>,
+    /// In how many catch trials a target was seen, and their number.
+    pub catches: [u32; 2],
+    /// The values that were set, and whether each adjustment began in the upper half of its range; `None` without a start.
+    pub values: Vec<(f64, Option<bool>)>,
 }
 
-/// What was answered.
-#[derive(Clone, Debug, PartialEq)]
-pub enum TaskAnswered {
-    /// In how many trials the target was seen or chosen.
-    Seen {
-        /// The level, if there is one.
-        level: Option<f64>,
-        /// Whether the trials showed a target.
-        is_target: bool,
-        /// The number of trials whose answer says so: the right answer, or yes.
-        seen: u32,
-        /// The number of trials: 1, except in tables.
-        total: u32,
-    },
-    /// Two conditions were compared.
-    Compared {
-        /// The condition on the right.
-        other: usize,
-        /// Whether the one on the left was chosen.
-        first_won: bool,
-    },
-    /// A value was set.
-    Set {
-        /// The value.
-        value: f64,
-        /// Whether the adjustment began in the upper half of its range; `None` without a start.
-        from_above: Option<bool>,
-    },
+impl Given {
+    /// Returns in how many trials with a target it was seen or chosen, and their number.
+    pub fn seen(&self) -> [u32; 2] {
+        self.targets.iter().fold([0, 0], |[right, all], (_, seen, total)| [right + seen, all + total])
+    }
 }
 
 impl TaskStudy {
@@ -280,7 +247,7 @@ impl TaskStudy {
                 format!("has no participant {unknown:?}; expected one of its IDs"),
             ));
         }
-        if study.trials.is_empty() {
+        if study.answers() == 0 {
             return Err(FileErrors::whole(&paths[0], "has no answers of main trials; expected at least one"));
         }
         Ok(study)
@@ -290,25 +257,13 @@ impl TaskStudy {
     /// the rows. `levels` says what is known about the levels of the functions.
     pub fn of_answers(path: &Path, rows: &[AnswerRow], factors: Vec<(String, Vec<String>)>, levels: Levels) -> Self {
         let (names, mut found): (Vec<String>, Vec<Vec<String>>) = factors.into_iter().unzip();
-        let (mut people, mut trials) = (Vec::new(), Vec::new());
-        let mut conditions: Vec<Vec<usize>> = Vec::new();
+        let mut people = Vec::new();
+        let mut given: BTreeMap<Vec<usize>, BTreeMap<usize, Given>> = BTreeMap::new();
         for row in rows {
             let of = row.factors.iter().zip(&mut found).map(|(level, known)| place(known, level.clone())).collect();
-            trials.push(TaskTrial {
-                person: place(&mut people, row.subject.clone()),
-                condition: place(&mut conditions, of),
-                answer: TaskAnswered::Seen {
-                    level: Some(row.level),
-                    is_target: true,
-                    seen: row.correct,
-                    total: row.total,
-                },
-            });
-        }
-        let of_rows = conditions.clone();
-        conditions.sort();
-        for trial in &mut trials {
-            trial.condition = place(&mut conditions, of_rows[trial.condition].clone());
+            let person = place(&mut people, row.subject.clone());
+            let own = given.entry(of).or_default().entry(person).or_default();
+            own.targets.push((Some(row.level), row.correct, row.total));
         }
         let factor = |(name, levels): (String, Vec<String>)| {
             let levels = levels.into_iter().map(|level| ParameterValue::from(level.as_str())).collect();
@@ -318,22 +273,26 @@ impl TaskStudy {
             title: path.file_stem().unwrap_or_default().display().to_string(),
             task: "table of answers".to_owned(),
             factors: names.into_iter().zip(found).map(factor).collect(),
-            conditions,
+            conditions: given.keys().cloned().collect(),
             levels: Some(levels),
             ..Asked::default()
         };
+        let of_condition = |(condition, own): (usize, BTreeMap<usize, Given>)| {
+            own.into_iter().map(move |(person, given)| ((condition, person), given))
+        };
+        let given = given.into_values().enumerate().flat_map(of_condition).collect();
         let simulated: BTreeSet<&String> = rows.iter().filter(|row| row.is_simulated).map(|row| &row.subject).collect();
         let files = vec![(path.to_owned(), rows.len())];
-        Self { asked, files, people, simulated: simulated.len(), trials, ..Self::default() }
+        Self { asked, files, people, simulated: simulated.len(), given, ..Self::default() }
     }
 
     /// Returns the number of answers.
     pub fn answers(&self) -> u64 {
-        let count = |trial: &TaskTrial| match trial.answer {
-            TaskAnswered::Seen { total, .. } => u64::from(total),
-            _ => 1,
+        let count = |given: &Given| {
+            let targets: u64 = given.targets.iter().map(|(.., total)| u64::from(*total)).sum();
+            targets + u64::from(given.catches[1]) + given.values.len() as u64
         };
-        self.trials.iter().map(count).sum()
+        self.given.values().map(count).sum::<u64>() + self.compared.len() as u64
     }
 
     fn add(&mut self, session: &Recorded, exclude: &[String]) {
@@ -345,17 +304,57 @@ impl TaskStudy {
         self.files.push((session.csv.clone(), session.rows.len()));
         self.simulated += usize::from(session.sidecar.sittings.iter().any(|sitting| sitting.observer.is_some()));
         self.unfinished += usize::from(!session.is_complete());
-        let known = self.people.iter().position(|known| *known == id);
-        let person = known.unwrap_or_else(|| {
-            self.people.push(id);
-            self.people.len() - 1
-        });
+        let person = place(&mut self.people, id);
         // Later attempts replace earlier ones, because rows are in chronological order.
         let main = session.rows.iter().enumerate().filter(|(_, row)| row.phase == Phase::Main);
         let last: BTreeMap<u32, usize> = main.map(|(index, row)| (row.trial, index)).collect();
         for index in last.into_values() {
-            self.trials.extend(answered(session, index, person));
+            self.take(session, index, person);
         }
+    }
+
+    /// Takes the answer of a row; `None` if there is none.
+    fn take(&mut self, session: &Recorded, index: usize, person: usize) -> Option<()> {
+        let protocol = &session.protocol;
+        let (task, Replayed { trial, shown, answer, .. }) = (&protocol.task, session.replayed(index)?);
+        let condition = session.schedule.trials[*trial].condition;
+        let seen = task.outcome(shown, answer);
+        match (task.measures(), answer) {
+            (Measures::Comparisons, _) => {
+                let [left, right] = shown.stimuli.as_slice() else { return None };
+                let of = |stimulus: &Stimulus| {
+                    protocol.conditions().iter().position(|condition| condition.stimulus == *stimulus)
+                };
+                let (left, right) = (of(left)?, of(right)?);
+                self.compared.push((person, if seen { [left, right] } else { [right, left] }));
+            }
+            (Measures::Settings | Measures::Ratings, Answer::Value(value)) => {
+                let dial = task.dial();
+                let upper = |start: f64| dial.as_ref().is_some_and(|dial| dial.share(start) > 0.5);
+                let given = self.given.entry((condition, person)).or_default();
+                given.values.push((*value, shown.start.map(upper)));
+            }
+            (Measures::Settings | Measures::Ratings, Answer::Key(_)) => return None,
+            (Measures::Proportions | Measures::Detection, _) => {
+                let is_catch = shown.target == Some(0);
+                let condition = match protocol.adaptive.as_ref().and_then(Adaptive::second) {
+                    None => condition,
+                    Some(Second { parameter, levels, .. }) => {
+                        let shown = shown.described().get(parameter);
+                        let level = levels.iter().position(|level| shown.as_ref() == Some(&(*level).into()));
+                        // A catch trial has none of these levels, and says nothing about a function.
+                        condition * levels.len() + level.or(is_catch.then_some(0))?
+                    }
+                };
+                let given = self.given.entry((condition, person)).or_default();
+                if is_catch {
+                    given.catches = [given.catches[0] + u32::from(seen), given.catches[1] + 1];
+                } else {
+                    given.targets.push((shown.level, seen.into(), 1));
+                }
+            }
+        }
+        Some(())
     }
 
     /// Returns the name of a condition: its levels of the factors.
@@ -389,42 +388,4 @@ fn place<T: PartialEq>(known: &mut Vec<T>, value: T) -> usize {
         known.push(value);
         known.len() - 1
     })
-}
-
-/// Returns the answer of a row.
-fn answered(session: &Recorded, index: usize, person: usize) -> Option<TaskTrial> {
-    let protocol = &session.protocol;
-    let (task, Replayed { trial, shown, answer, .. }) = (&protocol.task, session.replayed(index)?);
-    let condition = session.schedule.trials[*trial].condition;
-    let seen = task.outcome(shown, answer);
-    let (condition, answer) = match (task.measures(), answer) {
-        (Measures::Comparisons, _) => {
-            let [left, right] = shown.stimuli.as_slice() else { return None };
-            let of = |stimulus: &Stimulus| {
-                protocol.conditions().iter().position(|condition| condition.stimulus == *stimulus)
-            };
-            (of(left)?, TaskAnswered::Compared { other: of(right)?, first_won: seen })
-        }
-        (Measures::Settings | Measures::Ratings, Answer::Value(value)) => {
-            let dial = task.dial();
-            let upper = |start: f64| dial.as_ref().is_some_and(|dial| dial.share(start) > 0.5);
-            (condition, TaskAnswered::Set { value: *value, from_above: shown.start.map(upper) })
-        }
-        (Measures::Settings | Measures::Ratings, Answer::Key(_)) => return None,
-        (Measures::Proportions | Measures::Detection, _) => {
-            let is_target = shown.target != Some(0);
-            let second = protocol.adaptive.as_ref().and_then(Adaptive::second);
-            let condition = match second {
-                None => condition,
-                Some(Second { parameter, levels, .. }) => {
-                    let shown = shown.described().get(parameter);
-                    let level = levels.iter().position(|level| shown.as_ref() == Some(&(*level).into()));
-                    // A catch trial has none of these levels, and says nothing about a function.
-                    condition * levels.len() + level.or((!is_target).then_some(0))?
-                }
-            };
-            (condition, TaskAnswered::Seen { level: shown.level, is_target, seen: seen.into(), total: 1 })
-        }
-    };
-    Some(TaskTrial { person, condition, answer })
 }

@@ -1,17 +1,13 @@
 //! The results of a task as tables.
 
 use super::{
-    results::{Comparisons, Detected, OfPerson, PersonFunction, TaskResults},
+    results::{Comparisons, OfPerson, PersonFunction, TaskResults},
     study::{Levels, TaskStudy},
 };
 use crate::{
     analysis::{
         comparisons::Wins,
-        detection::Detection,
-        tasks::{
-            population::Population,
-            psychometric::{Fit, Point},
-        },
+        tasks::{population::Population, psychometric::Point},
     },
     experiment::task::Common,
     report::tables::Rows,
@@ -83,21 +79,19 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, common: &Common) -> Tabl
                          too low if the function rises between two neighboring levels.";
     const OVERDISPERSION: &str = "By how much blocks of trials vary more than binomially, 0 to 1; 0 for single trials.";
     const BEYOND: &str = "1 if the most probable threshold lies beyond the levels, where only the prior places it.";
-    let rows: Vec<(&PersonFunction, Option<&Fit>)> =
-        results.functions.iter().map(|function| (function, function.described())).collect();
-    with_levels(study, with_people(study, &rows, |(own, _)| own.person), |(own, _)| own.condition)
-        .column("trials", "Number of trials with a target.", |(own, _)| own.trials())
-        .column("threshold", THRESHOLD, |(_, fit)| Some(common.level(fit.as_ref()?.determined_threshold()?)))
-        .interval("threshold", "its 95 % interval", |(_, fit)| Some(scaled(common, fit.as_ref()?.threshold)))
-        .column("slope", SLOPE, |(_, fit)| fit.as_ref()?.determined_slope())
+    with_levels(study, with_people(study, &results.functions, |own| own.person), |own| own.condition)
+        .column("trials", "Number of trials with a target.", |own| own.trials())
+        .column("threshold", THRESHOLD, |own| Some(common.level(own.described()?.determined_threshold()?)))
+        .interval("threshold", "its 95 % interval", |own| Some(scaled(common, own.described()?.threshold)))
+        .column("slope", SLOPE, |own| own.described()?.determined_slope())
         .in_unit("per unit of the scale of the levels", 1)
-        .interval("slope", "its 95 % interval", |(_, fit)| Some(fit.as_ref()?.slope_interval))
-        .column("guess", "Guess rate.", |(_, fit)| Some(fit.as_ref()?.estimate.guess))
-        .column("lapse", "Lapse rate.", |(_, fit)| Some(fit.as_ref()?.estimate.lapse))
-        .column("overdispersion", OVERDISPERSION, |(_, fit)| Some(fit.as_ref()?.estimate.overdispersion))
-        .column("is_beyond", BEYOND, |(own, fit)| u64::from(fit.is_some() && own.beyond.is_some()))
-        .column("deviance", "Deviance of the best function.", |(own, _)| Some(own.goodness?.deviance))
-        .column("p", "Proportion of simulated studies with at least this deviance.", |(own, _)| Some(own.goodness?.p))
+        .interval("slope", "its 95 % interval", |own| Some(own.described()?.slope_interval))
+        .column("guess", "Guess rate.", |own| Some(own.described()?.estimate.guess))
+        .column("lapse", "Lapse rate.", |own| Some(own.described()?.estimate.lapse))
+        .column("overdispersion", OVERDISPERSION, |own| Some(own.described()?.estimate.overdispersion))
+        .column("is_beyond", BEYOND, |own| u64::from(own.is_beyond()))
+        .column("deviance", "Deviance of the best function.", |own| Some(own.goodness?.deviance))
+        .column("p", "Proportion of simulated studies with at least this deviance.", |own| Some(own.goodness?.p))
         .table()
 }
 
@@ -124,16 +118,13 @@ fn shares(study: &TaskStudy, results: &TaskResults) -> Table {
 }
 
 fn detection(study: &TaskStudy, results: &TaskResults) -> Table {
-    let found = |place: usize| move |own: &OfPerson<Detected>| Detection::numbers(own.found.1)[place];
     of_people(study, &results.detection)
         .column("hits", "Targets answered yes.", |own| own.found.0.hits)
         .column("misses", "Targets answered no.", |own| own.found.0.misses)
         .column("false_alarms", "Catch trials answered yes.", |own| own.found.0.false_alarms)
         .column("correct_rejections", "Catch trials answered no.", |own| own.found.0.correct_rejections)
-        .column("d_prime", "Sensitivity, with the log-linear correction.", found(0))
-        .column("d_prime_se", "Its standard error.", found(1))
-        .column("criterion", "Criterion c.", found(2))
-        .column("criterion_se", "Its standard error.", found(3))
+        .column("d_prime", "Sensitivity, with the log-linear correction.", |own| Some(own.found.1?.d_prime))
+        .column("criterion", "Criterion c.", |own| Some(own.found.1?.criterion))
         .table()
 }
 

@@ -102,10 +102,12 @@ fn answers(mut input: Input, columns: &AnswerColumns) -> Result<AnswersRead, Sto
     let errors = rows.errors.finish(&input.name, &input.header.names);
     let all = found.len();
     let rows: Vec<AnswerRow> = found.into_iter().flatten().collect();
-    if rows.is_empty() || rows.len() > MAX_ROWS {
-        FileErrors::none(errors)?;
-        let message = format!("has {} rows; expected 1 to {MAX_ROWS}", rows.len());
-        return Err(FileErrors::whole(&input.name, message).into());
+    let answers = rows.iter().map(|row| u64::from(row.total)).sum::<u64>();
+    for (what, found, most) in [("rows", rows.len() as u64, MAX_ROWS as u64), ("answers", answers, u32::MAX.into())] {
+        if !(1..=most).contains(&found) {
+            FileErrors::none(errors)?;
+            return Err(FileErrors::whole(&input.name, format!("has {found} {what}; expected 1 to {most}")).into());
+        }
     }
     Ok(AnswersRead { missing: all - rows.len(), rows, notes, errors })
 }
