@@ -39,7 +39,7 @@ pub(super) struct Arguments {
     /// Use a window instead of the full screen.
     #[arg(long)]
     windowed: bool,
-    /// File with the window's settings, such as the size of its text and the width of the screen.
+    /// File with the window's settings, such as the size of its text.
     #[arg(long, value_name = "FILE.toml")]
     config: Option<PathBuf>,
     /// Resume an interrupted session.

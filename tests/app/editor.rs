@@ -244,6 +244,10 @@ fn only_unsaved_changes_need_an_answer() {
     window.get_by_label_contains("Unknown key \"mesh\" in [factors]");
     click(&mut window, "Remove mesh");
     assert!(window.query_by_label_contains("Unknown key \"mesh\"").is_none());
+    click(&mut window, "Undo");
+    window.get_by_label_contains("Unknown key \"mesh\" in [factors]");
+    click(&mut window, "Redo");
+    assert!(window.query_by_label_contains("Unknown key \"mesh\"").is_none());
     press(&mut window, Key::Escape);
     wait_for(&mut window, "Discard changes?");
     click(&mut window, "Keep editing");

@@ -429,8 +429,12 @@ fn home_shows_errors_next_to_their_fields() {
     harness.get_by_label_contains("Something above needs attention");
     type_into(&mut harness, "Participant", "P7");
     assert!(harness.query_by_label_contains("expected letters A–Z").is_none());
+    let place = |harness: &Window| harness.query_all_by_label("Results folder").next().unwrap().rect();
+    type_into(&mut harness, "Viewing distance, cm", "57");
+    let before = place(&harness);
     type_into(&mut harness, "Viewing distance, cm", "near");
     harness.get_by_label_contains("Enter a number of centimeters, e.g. 57.");
+    assert_eq!(place(&harness), before, "errors shift nothing");
     type_into(&mut harness, "Viewing distance, cm", "500");
     harness.get_by_label_contains("Enter a shorter distance");
     type_into(&mut harness, "Viewing distance, cm", "50");

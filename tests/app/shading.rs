@@ -223,7 +223,7 @@ fn the_gallery_marks_both_ends_of_a_ramp_and_none_of_a_step() {
 fn the_demo_predicts_without_waiting() {
     let mut window = page_of("Shading", [900.0, 800.0]);
     // The page has been drawn several times without waiting for the prediction, which moves nothing.
-    window.get_by_label("Difference from the smooth surface: Computing…");
+    window.get_by_label("Difference from the smooth surface: computing…");
     let before = picture(&window);
     wait_for(&mut window, "what people can just see");
     let told = text(&window, "what people can just see");

@@ -223,6 +223,9 @@ fn a_plan_says_how_many_participants_are_enough() {
     let mut window = opened(folder.path(), DEFINITION);
     plan(&mut window, "0", "");
     window.get_by_label_contains("outside 1…10000");
+    // What is wrong can be typed over.
+    window.run_steps(2);
+    assert!(window.query_all_by_label("Numbers of participants").any(|node| node.is_focused()));
     type_into(&mut window, "Numbers of participants", "3, 2");
     type_into(&mut window, "Effects", "nothing=1");
     click(&mut window, "Simulate");

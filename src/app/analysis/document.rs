@@ -143,7 +143,14 @@ fn show_blocks<'a>(ui: &mut egui::Ui, blocks: impl IntoIterator<Item = &'a mut B
                     column.with_layout(Layout::top_down(Align::Min), |ui| figure.show(ui));
                 }
             }),
-            _ => left.show(ui),
+            // It is as wide as one of two.
+            _ => {
+                ui.scope(|ui| {
+                    let one = (ui.available_width() - ui.spacing().item_spacing.x) / 2.0;
+                    ui.set_max_width(if two { one } else { ui.available_width() });
+                    left.show(ui);
+                });
+            }
         }
     }
 }

@@ -49,6 +49,11 @@ impl TableView {
             let first = ((visible.top() - line) / height).floor().max(0.0) as usize;
             let last = ((visible.bottom() - line) / height).ceil().max(0.0) as usize;
             for (index, row) in self.table.rows.iter().enumerate().take(last).skip(first) {
+                if index % 2 == 1 {
+                    let stripe = Rect::from_min_size(rect.min, Vec2::new(rect.width(), height));
+                    let stripe = stripe.translate(Vec2::new(0.0, height * (index + 1) as f32));
+                    ui.painter().rect_filled(stripe, 0.0, theme::ink(ui).stripe);
+                }
                 for (column, text) in row.iter().enumerate() {
                     self.cell(ui, rect, height, (index + 1, column), |ui| ui.add(Label::new(&**text).extend()));
                 }

@@ -7,7 +7,7 @@ use super::{
     sizes::SizeTest, steps::StepsPage, timing::TimingTool, tool::Tool,
 };
 use crate::{
-    app::ui::{Dialog, Field, FileKind, Monitor, ScreenFields, Step, hint, note, say, text, today, tool_page},
+    app::ui::{Dialog, Field, FileKind, Monitor, ScreenFields, Step, full, hint, note, say, text, today, tool_page},
     display::DisplayProfile,
 };
 
@@ -56,8 +56,8 @@ impl Display {
         self.open = None;
         ui.ctx().request_repaint();
         let Step::Next(saved) = step else { return Step::Stay };
-        fields.profile = saved.display().to_string();
-        say(ui.ctx(), format!("Saved as {}; now in use.", saved.display()));
+        fields.profile = full(&saved).display().to_string();
+        say(ui.ctx(), format!("Saved as {}; now in use.", fields.profile));
         Step::Next(())
     }
 

@@ -39,7 +39,7 @@ pub struct DefinitionForm {
     /// What was typed, by the key of the field. The draft may have it in a different form.
     typed: BTreeMap<String, String>,
     /// The text of the draft when it was opened.
-    original: String,
+    pub original: String,
     /// The hash of what the definition said when it was opened.
     hash: Option<String>,
     /// The definition as it was when it last had no errors.
@@ -138,6 +138,18 @@ impl DefinitionForm {
     pub fn rebuild(&mut self, change: impl FnOnce(&mut Draft)) {
         self.typed.clear();
         self.edit(change);
+    }
+
+    /// Returns to an earlier text of the draft.
+    pub fn restore(&mut self, text: &str) {
+        let folder = std::mem::take(&mut self.draft.folder);
+        self.rebuild(|draft| {
+            // What was written from a draft can be read.
+            if let Ok(earlier) = Draft::parse("", text) {
+                *draft = earlier;
+            }
+            draft.folder = folder;
+        });
     }
 
     fn check(&mut self) {

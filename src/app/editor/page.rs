@@ -10,7 +10,7 @@ use super::{
     sections,
 };
 use crate::{
-    app::ui::{self, Dialog, Field, FileKind, Step, fonts::TextFonts, theme},
+    app::ui::{self, Dialog, Field, FileKind, History, Step, fonts::TextFonts, theme},
     report::document::numbers::count,
     store::{FileErrors, definition},
 };
@@ -44,6 +44,8 @@ pub struct Editor {
     /// The text of the file when it was opened, and the name in it; they are compared when the file itself is saved.
     before: (String, Option<String>),
     form: DefinitionForm,
+    /// The earlier texts of the draft.
+    history: History<String>,
     /// The folder for the new file.
     folder: String,
     dialog: Dialog,
@@ -75,6 +77,7 @@ impl Editor {
             of: name_or_path.to_owned(),
             sessions,
             before: (definition::text(path)?.into_owned(), form.draft.get("name")),
+            history: History::new(form.original.clone()),
             form,
             folder: folder.display().to_string(),
             ..Self::default()
@@ -102,7 +105,7 @@ impl Editor {
                 editor.scrolled().show(ui, |ui| {
                     // Leaves room for the scroll bar.
                     ui.set_max_width(ui.available_width() - 8.0);
-                    back = ui::heading(ui, &heading);
+                    back = editor.head(ui, &heading);
                     editor.fields(ui);
                     ui.separator();
                     editor.conditions(ui);
@@ -124,7 +127,7 @@ impl Editor {
             }
             Panel::left("editor").resizable(false).exact_size(FORM).frame(frame).show(ui, |ui| {
                 theme::compact(ui);
-                back = ui::heading(ui, &heading);
+                back = self.head(ui, &heading);
                 self.scrolled().show(ui, |ui| self.fields(ui));
             });
             CentralPanel::default().frame(frame).show(ui, |ui| {
@@ -133,6 +136,7 @@ impl Editor {
                 ScrollArea::vertical().auto_shrink(false).show(ui, |ui| self.conditions(ui));
             });
         }
+        self.history.record(ui, &self.form.draft.text());
         if let Some(path) = saved {
             return Step::Next(path);
         }
@@ -141,6 +145,17 @@ impl Editor {
             return Step::back_if(!self.leaving);
         }
         Step::back_if(self.leaving && self.discards(ui.ctx()))
+    }
+
+    /// Draws the name of the page, and what takes changes back; returns whether the user leaves the page.
+    fn head(&mut self, ui: &mut Ui, heading: &str) -> bool {
+        let back = ui::heading(ui, heading);
+        let mut text = self.form.draft.text();
+        self.history.show(ui, &mut text, self.form.original.clone());
+        if text != self.form.draft.text() {
+            self.form.restore(&text);
+        }
+        back
     }
 
     /// Returns the scrolling room of the form, which begins at its top.

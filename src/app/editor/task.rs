@@ -307,7 +307,7 @@ fn answers(form: &mut DefinitionForm, ui: &mut Ui, task: &Task) {
         _ => format!("answer {}", answer + 1),
     };
     let before = [labels.clone(), keys.clone()];
-    let mut removed = None;
+    let (mut removed, mut errors) = (None, Vec::new());
     for answer in 0..labels.len() {
         let shown = named(answer);
         let is_new = form.added.take_if(|added| *added == answer).is_some();
@@ -318,7 +318,11 @@ fn answers(form: &mut DefinitionForm, ui: &mut Ui, task: &Task) {
             form.error(&key)
         });
         let wrong = wrong.join("\n");
-        Field::new(&label).column(LABELS).slot().error(wrong.trim()).show(ui, |ui, _| {
+        errors.extend(wrong.lines().filter(|line| !line.is_empty()).map(|line| format!("{label}: {line}")));
+        Field::new(&label).column(LABELS).show(ui, |ui, _| {
+            if !wrong.trim().is_empty() {
+                theme::outline_wrong(ui);
+            }
             ui.horizontal(|ui| {
                 if has_keys {
                     let key = TextEdit::singleline(&mut keys[answer]).id_salt(("key", answer)).desired_width(24.0);
@@ -345,8 +349,11 @@ fn answers(form: &mut DefinitionForm, ui: &mut Ui, task: &Task) {
         });
     }
     let many = labels.len() >= *CATEGORIES.end();
-    if task.answers().is_none() {
-        let below = Field::new("").column(LABELS);
+    let errors = errors.join("\n");
+    let below = Field::new("").column(LABELS).slot().error(&errors);
+    if task.answers().is_some() {
+        below.show(ui, |_, _| {});
+    } else {
         let added = below.show(ui, |ui, _| ui.add_enabled_ui(!many, |ui| ui::action(ui, Icon::Plus, "Category")).inner);
         if added.on_hover_text("2 to 11 categories, from the weakest to the strongest.").clicked() {
             let free = ('0'..='9').chain('a'..='z').map(String::from);

@@ -174,7 +174,8 @@ impl SessionForm {
     fn viewing(&self, monitor: &Monitor, errors: &mut BTreeMap<&'static str, String>) -> Option<Viewing> {
         let screen = self.screen.screen(monitor).map_err(|error| errors.insert(SCREEN_WIDTH, error));
         let distance = self.screen.distance().map_err(|error| errors.insert(DISTANCE, error));
-        Viewing::new(screen.ok()?, distance.ok()?).map_err(|error| errors.insert(DISTANCE, error)).ok()
+        let viewing = Viewing::new(screen.ok()?, distance.ok()?);
+        viewing.map_err(|error| errors.insert(DISTANCE, capitalized(&error))).ok()
     }
 }
 

@@ -15,6 +15,7 @@ use crate::{
         theme::{GAP, LARGE_GAP, SMALL_GAP, ink},
     },
     experiment::Protocol,
+    report::document::numbers::count,
     store::definition::{self, BUILT_IN},
 };
 
@@ -36,8 +37,8 @@ pub struct StudyList {
 struct Row {
     /// Name of a built-in definition, or path of a file.
     experiment: String,
-    /// The definition, or the first error in it.
-    protocol: Result<Protocol, String>,
+    /// The definition, or the number of errors in it.
+    protocol: Result<Protocol, usize>,
     picture: Drawn<u32>,
 }
 
@@ -57,7 +58,7 @@ impl StudyList {
         self.files = files.to_vec();
         let names = files.iter().map(String::as_str).chain(BUILT_IN.iter().map(|built_in| built_in.name));
         for experiment in names {
-            let protocol = definition::open(experiment).map_err(|errors| errors.to_string());
+            let protocol = definition::open(experiment).map_err(|errors| errors.0.len());
             let known = before.iter().position(|row| row.experiment == experiment && row.protocol == protocol);
             self.rows.push(match known {
                 Some(index) => before.swap_remove(index),
@@ -111,7 +112,8 @@ impl Row {
                 };
                 (protocol.title.clone(), format!("{name} · {more}"))
             }
-            Err(error) => (name, error.lines().next().unwrap_or_default().to_owned()),
+            // The page of the study lists them.
+            Err(errors) => (format!("{name}.toml"), count(*errors as u64, "error")),
         }
     }
 

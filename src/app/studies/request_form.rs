@@ -43,7 +43,8 @@ pub struct RequestForm {
     given: Map<String, Value>,
     error: Option<RequestError>,
     dialog: Dialog,
-    /// Whether no frame was drawn yet, so that the first text field gets the focus.
+    /// Whether no frame was drawn yet, so that the first text field gets the focus, or an error was found, so that the
+    /// field with it does.
     is_new: bool,
     start: Start,
 }
@@ -82,9 +83,11 @@ impl RequestForm {
             ui.add_space(GAP);
             // The buttons stay in view in a low window.
             ScrollArea::vertical().max_height(height - BUTTONS).show(ui, |ui| {
+                let wrong = self.error.as_ref().and_then(|error| error.field.as_deref());
                 for field in &mut self.fields {
+                    let is_next = wrong.is_none_or(|wrong| wrong == field.argument.get_id().as_str());
                     let text = field.show(ui, self.error.as_ref(), &mut self.dialog);
-                    if let Some(text) = text.filter(|_| std::mem::take(&mut self.is_new)) {
+                    if let Some(text) = text.filter(|_| is_next && std::mem::take(&mut self.is_new)) {
                         text.request_focus();
                     }
                 }
@@ -97,7 +100,7 @@ impl RequestForm {
                 if confirmed {
                     match self.start(ctx) {
                         Ok(job) => return Step::Next(job),
-                        Err(error) => self.error = Some(error),
+                        Err(error) => (self.error, self.is_new) = (Some(error), true),
                     }
                 }
                 Step::back_if(cancelled)

@@ -19,6 +19,7 @@ use crate::{
             today,
         },
     },
+    display::DisplayProfile,
     store::{
         dataset::free_participant,
         definition::{BUILT_IN, built_in},
@@ -156,31 +157,24 @@ impl Studies {
             first.request_focus();
         }
         checked.field(form::SESSION).slot().hint("1, 2, … for the same participant").text(ui, session);
-        checked.field(form::DISTANCE).slot().hint("from eye to screen").text(ui, &mut screen.distance_cm);
-        if let Some(coarse) = &checked.coarse {
-            Field::new("").column(form::LABELS).show(ui, |ui, _| ui::note(ui, coarse));
-        }
-        checked.field(form::SCREEN_WIDTH).show(ui, |ui, label| {
+        let coarse = checked.coarse.as_deref().unwrap_or_default();
+        let field = checked.field(form::DISTANCE).slot().note(coarse, true);
+        field.hint("from eye to screen").text(ui, &mut screen.distance_cm);
+        let origin = if screen.width_is_assumed() { now.monitor.assumption() + ". " } else { String::new() };
+        let size = checked.stimulus_px.map_or_else(String::new, |(side, per_degree)| {
+            format!("{origin}{per_degree:.1} pixels per degree; the stimulus is {side} pixels wide.")
+        });
+        checked.field(form::SCREEN_WIDTH).slot().note(&size, false).show(ui, |ui, label| {
             ui.horizontal_wrapped(|ui| {
                 CardHelper::field(&mut self.card, ui, label, &mut self.form.screen, now.monitor);
             });
-            let Some((side, per_degree)) = checked.stimulus_px.filter(|_| checked.error(form::SCREEN_WIDTH).is_empty())
-            else {
-                return;
-            };
-            let is_assumed = self.form.screen.width_is_assumed();
-            let origin = if is_assumed { now.monitor.assumption() + ". " } else { String::new() };
-            ui::hint(ui, format!("{origin}{per_degree:.1} pixels per degree; the stimulus is {side} pixels wide."));
         });
         let browse = (FileKind::Toml, "Choose a display profile…");
-        let field = checked.field(form::PROFILE).hint("sRGB");
+        let warning = checked.display.as_ref().and_then(|display| display.warning(today()));
+        let mut told = checked.display.as_ref().map_or_else(String::new, DisplayProfile::sentence);
+        warning.iter().for_each(|warning| told = format!("{told}. {warning}"));
+        let field = checked.field(form::PROFILE).slot().note(&told, warning.is_some()).hint("sRGB");
         field.path(ui, &mut self.form.screen.profile, &mut self.profile, browse);
-        if let Some(display) = &checked.display {
-            Field::new("").column(form::LABELS).show(ui, |ui, _| {
-                ui::hint(ui, display.sentence());
-                display.warning(today()).into_iter().for_each(|warning| ui::note(ui, warning));
-            });
-        }
         let browse = (FileKind::Folder, "Choose the results folder…");
         let field = checked.field(form::RESULTS).slot();
         let (field, _) = field.path(ui, &mut self.form.results, &mut self.results, browse);

@@ -31,6 +31,7 @@ pub struct Field<'a> {
     hint: &'a str,
     suffix: &'a str,
     error: &'a str,
+    note: (&'a str, bool),
     width: Option<f32>,
     column: Option<f32>,
     slot: bool,
@@ -40,7 +41,8 @@ pub struct Field<'a> {
 impl<'a> Field<'a> {
     /// Creates a field on one line.
     pub fn new(label: &'a str) -> Self {
-        Self { label, name: None, hint: "", suffix: "", error: "", width: None, column: None, slot: false, log: false }
+        let (name, hint, suffix, error, note) = Default::default();
+        Self { label, name, hint, suffix, error, note, width: None, column: None, slot: false, log: false }
     }
 
     /// Puts the label in a column of this width, points.
@@ -71,6 +73,11 @@ impl<'a> Field<'a> {
     /// Sets the error to show below the control; empty for none.
     pub fn error(self, error: &'a str) -> Self {
         Self { error, ..self }
+    }
+
+    /// Sets what is said below the control while it has no error, and whether that deserves attention; empty for nothing.
+    pub fn note(self, note: &'a str, warns: bool) -> Self {
+        Self { note: (note, warns), ..self }
     }
 
     /// Keeps room for a line below the control, so that an error shifts nothing.
@@ -121,16 +128,26 @@ impl<'a> Field<'a> {
     }
 
     fn show_errors(self, ui: &mut Ui) {
+        let tell = |ui: &mut Ui| match self.note {
+            (note, warns) if self.error.is_empty() && !note.is_empty() => {
+                if warns {
+                    text::note(ui, note)
+                } else {
+                    text::hint(ui, note)
+                }
+            }
+            _ => text::errors(ui, self.error),
+        };
         if self.slot {
             // Two lines of a message fit, without the space that otherwise separates fields.
             let height = MESSAGE + 2.0 * SMALL_GAP;
             ui.allocate_ui(egui::vec2(ui.available_width(), height), |ui| {
                 ui.set_min_height(height);
-                text::errors(ui, self.error);
+                tell(ui);
             });
             ui.add_space(-ui.spacing().item_spacing.y);
         } else {
-            text::errors(ui, self.error);
+            tell(ui);
         }
     }
 

@@ -392,6 +392,11 @@ pub fn begin_frame(ctx: &Context) {
 /// Remembers the frame for the next one. Call this at the end of each frame.
 pub fn end_frame(ctx: &Context) {
     let typing = ctx.text_edit_focused();
+    // Forms check what was typed before they draw their fields, so that the next frame shows the result.
+    if typing && ctx.input(|input| input.events.iter().any(|event| matches!(event, Event::Text(_) | Event::Key { .. })))
+    {
+        ctx.request_repaint();
+    }
     LastFrame::of(ctx, |last| last.typing = typing);
 }
 

@@ -313,8 +313,8 @@ impl ShadingPage {
     fn measured(&self) -> Result<&Measured, String> {
         let edition = self.pictures.as_ref().map_or(0, |pictures| pictures.edition);
         match self.visible.get(&edition) {
-            None => Err("Computing…".to_owned()),
-            Some(Err(error)) => Err(format!("Not available: {error}.")),
+            None => Err("computing…".to_owned()),
+            Some(Err(error)) => Err(format!("not available: {error}.")),
             Some(Ok(measured)) => Ok(measured),
         }
     }
