@@ -19,6 +19,7 @@ use crate::{
 const MAX_LEGEND: usize = 6;
 
 /// A plot of one participant's answers.
+#[derive(Default)]
 pub struct OwnPlot {
     /// What it shows, in a sentence.
     caption: String,
@@ -175,8 +176,8 @@ fn means(
         y_label,
         places: along.levels.iter().map(place).collect(),
         y,
-        log: false,
         lines: lines.collect(),
+        ..OwnPlot::default()
     })
 }
 
@@ -201,10 +202,10 @@ fn levels(protocol: &Protocol, rows: &[&TrialRecord]) -> Option<OwnPlot> {
         caption: protocol.instructions.levels.clone(),
         x_label: protocol.instructions.trial.clone(),
         y_label: common.parameter.clone(),
-        places: Vec::new(),
         y,
         log: common.log,
         lines: lines.into_iter().collect(),
+        ..OwnPlot::default()
     })
 }
 
@@ -229,7 +230,7 @@ fn chosen(protocol: &Protocol, rows: &[&TrialRecord]) -> Option<OwnPlot> {
         y_label: protocol.instructions.share.clone(),
         places: shares.into_iter().map(|(name, _)| name).collect(),
         y: [0.0, 1.0],
-        log: false,
         lines: vec![(protocol.instructions.share.clone(), points)],
+        ..OwnPlot::default()
     })
 }
