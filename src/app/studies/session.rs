@@ -174,7 +174,7 @@ impl Studies {
         });
         let browse = (FileKind::Toml, "Choose a display profile…");
         let field = checked.field(form::PROFILE).hint("sRGB");
-        field.path(ui, &mut self.form.screen.profile, &mut self.profile, browse);
+        field.path(ui, &mut self.form.screen.profile, browse);
         if let Some(display) = &checked.display {
             Field::new("").column(form::LABELS).show(ui, |ui, _| {
                 ui::hint(ui, display.sentence());
@@ -183,7 +183,7 @@ impl Studies {
         }
         let browse = (FileKind::Folder, "Choose the results folder…");
         let field = checked.field(form::RESULTS).slot();
-        let (field, _) = field.path(ui, &mut self.form.results, &mut self.results, browse);
+        let (field, _) = field.path(ui, &mut self.form.results, browse);
         field.on_hover_text(self.form.results.as_str());
         Field::new("Screen").column(form::LABELS).show(ui, |ui, _| {
             ui.horizontal_wrapped(|ui| {
