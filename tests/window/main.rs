@@ -266,6 +266,7 @@ fn an_aborted_session_is_offered_and_resumed() {
     opened(&mut harness);
     // From the next participant to the session that was interrupted.
     harness.press("Up");
+    harness.at_rest();
     harness.press("Return");
     for key in ["0", "1", "2"] {
         harness.rate(&csv, key);

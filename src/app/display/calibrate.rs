@@ -8,8 +8,8 @@ use eframe::egui::{self, Color32, Context, Ui, ViewportCommand};
 use super::tool::Tool;
 use crate::{
     app::ui::{
-        Field, FileKind, Monitor, Saving, ScreenFields, Step, hint, neutral_primary, paragraph, secondary, section,
-        show_error, text, today, tool_page,
+        Field, FileKind, Monitor, Saving, Step, hint, neutral_primary, paragraph, secondary, section, show_error, text,
+        today, tool_page,
     },
     display::{Channel, DisplayProfile, Measurement, Viewing},
     store::{StoreError, Writer, profile},
@@ -247,14 +247,14 @@ impl<M: Method> Calibrate<M> {
 }
 
 impl<M: Method> Tool for Calibrate<M> {
-    fn show(&mut self, ui: &mut Ui, monitor: &Monitor, fields: &mut ScreenFields) -> Step<PathBuf> {
+    fn show(&mut self, ui: &mut Ui, _: &Monitor, viewing: Option<&Viewing>) -> Step<PathBuf> {
         if self.found.is_some() {
             self.show_findings(ui)
         } else if self.run.is_some() {
             self.show_run(ui);
             Step::Stay
         } else {
-            Step::back_if(self.set_up(ui, fields.viewing(monitor).ok().as_ref()))
+            Step::back_if(self.set_up(ui, viewing))
         }
     }
 

@@ -7,13 +7,16 @@ use eframe::egui::{self, Color32, Key, RichText, Ui};
 use super::{calibrate::full_screen, tool::Tool};
 use crate::{
     app::ui::{
-        Monitor, ScreenFields, Step,
+        Monitor, Step,
         figure::FigureView,
         neutral_primary, paragraph, secondary,
         theme::{DARK_PAGE, ink},
         tool_page,
     },
-    display::frames::{FrameTimes, MIN_ESTIMATE_INTERVALS, Refresh},
+    display::{
+        Viewing,
+        frames::{FrameTimes, MIN_ESTIMATE_INTERVALS, Refresh},
+    },
     report::figures,
 };
 
@@ -148,7 +151,7 @@ impl TimingTool {
 }
 
 impl Tool for TimingTool {
-    fn show(&mut self, ui: &mut Ui, monitor: &Monitor, _: &mut ScreenFields) -> Step<PathBuf> {
+    fn show(&mut self, ui: &mut Ui, monitor: &Monitor, _: Option<&Viewing>) -> Step<PathBuf> {
         if self.run.is_some() {
             let report = self.measure(ui, monitor);
             if report.is_some() || ui.input(|input| input.key_pressed(Key::Escape)) {

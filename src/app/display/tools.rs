@@ -61,7 +61,7 @@ impl Display {
         let Some(tool) = self.open.and_then(|open| self.tools[open].as_mut()) else {
             return Step::back_if(self.list(ui, monitor, fields, found, window_deg));
         };
-        let step = tool.show(ui, monitor, fields);
+        let step = tool.show(ui, monitor, fields.viewing(monitor).ok().as_ref());
         if step == Step::Stay {
             return Step::Stay;
         }

@@ -42,7 +42,10 @@ impl Finish {
             }
             ui.add_space(8.0);
             let own = self.plot.as_ref().filter(|_| self.complete && self.protocol.session.own_means);
-            own.into_iter().for_each(|plot| plot.show(ui));
+            if let Some(plot) = own {
+                ui.label(&plot.caption);
+                plot.draw(ui, 280.0);
+            }
             ui.add_space(8.0);
             if let Some(error) = &self.error {
                 let told = "The end of this sitting could not be recorded. Please call the experimenter.";

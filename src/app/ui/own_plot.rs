@@ -22,7 +22,7 @@ const MAX_LEGEND: usize = 6;
 #[derive(Default)]
 pub struct OwnPlot {
     /// What it shows, in a sentence.
-    caption: String,
+    pub caption: String,
     x_label: String,
     y_label: String,
     /// The names of the places 0, 1, … on the horizontal axis; none if it has numbers.
@@ -66,12 +66,6 @@ impl OwnPlot {
             }
         };
         plot.filter(|plot| !plot.lines.is_empty())
-    }
-
-    /// Draws the plot below its caption.
-    pub fn show(&self, ui: &mut egui::Ui) {
-        ui.label(&self.caption);
-        self.draw(ui, 280.0);
     }
 
     /// Draws the plot and what its lines are, this high, points.
