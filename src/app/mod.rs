@@ -30,7 +30,7 @@ use dialogs::Quit;
 use memory::Memory;
 use session::Runner;
 use studies::{Destination, Studies};
-use ui::{Place, SideDialog, Step, number, theme::Icon};
+use ui::{Place, SideDialog, Step, theme::Icon};
 use window::Program;
 
 use crate::{display::DisplayProfile, store::settings::remember};
@@ -62,16 +62,15 @@ pub fn open(launch: Launch) -> Result<(), WindowError> {
 #[derive(Default)]
 pub struct App {
     /// The session that is shown instead of a place.
-    session: Option<Box<Runner>>,
+    session: Option<Runner>,
     place: Place,
     studies: Studies,
     /// The definition that is edited at [`Place::Studies`].
     editor: Option<Box<editor::Editor>>,
-    // The other places are created when the user first goes there, and keep their state.
-    gallery: Option<Box<explore::gallery::Gallery>>,
-    shading: Option<Box<explore::shading::ShadingPage>>,
-    display: Option<Box<display::Display>>,
-    analysis: Option<Box<analysis::Analysis>>,
+    gallery: explore::gallery::Gallery,
+    shading: explore::shading::ShadingPage,
+    display: display::Display,
+    analysis: analysis::Analysis,
     /// Whether the window was started with a session, so that leaving the session closes the window.
     direct: bool,
     dialog: Option<SideDialog>,
@@ -87,7 +86,7 @@ impl App {
     /// Shows the first page of a launch.
     pub fn new(cc: &eframe::CreationContext<'_>, launch: Launch) -> Self {
         let direct = launch.request.is_some();
-        let session = launch.request.map(|request| Box::new(Runner::new(request)));
+        let session = launch.request.map(Runner::new);
         ui::theme::apply(&cc.egui_ctx);
         Self { session, direct, memory: Memory::open(&cc.egui_ctx, launch.settings), ..Self::default() }
     }
@@ -98,7 +97,7 @@ impl App {
         match session.show(ui, &monitor, &mut self.input, self.direct) {
             Step::Stay => return,
             Step::Next(data_set) => {
-                self.analysis = Some(Box::new(analysis::Analysis::of(ui.ctx(), data_set)));
+                self.analysis = analysis::Analysis::of(ui.ctx(), data_set);
                 // From here, one can go anywhere.
                 (self.session, self.place, self.direct) = (None, Place::Analyze, false);
             }
@@ -141,21 +140,21 @@ impl App {
             Place::Studies if self.editor.is_some() => return self.draw_editor(ui),
             Place::Studies => self.studies.show(ui, monitor, &mut self.memory.settings),
             Place::Stimuli | Place::Shading => {
-                let distance_cm = number(&self.studies.screen().distance_cm);
+                let screen = self.studies.screen();
+                let viewing = screen.viewing(monitor).ok().filter(|_| !screen.width_is_assumed());
                 let (checked, assumed) = (self.studies.check(monitor), DisplayProfile::default());
                 let profile = checked.display.as_ref().unwrap_or(&assumed);
                 Step::back_if(if self.place == Place::Shading {
-                    self.shading.get_or_insert_default().show(ui, profile)
+                    self.shading.show(ui, profile)
                 } else {
-                    self.gallery.get_or_insert_default().show(ui, profile, distance_cm)
+                    self.gallery.show(ui, profile, viewing)
                 })
             }
             Place::Display => {
                 let checked = self.studies.check(monitor);
                 self.studies.remember(&mut self.memory.settings, monitor, &checked);
                 let window_deg = checked.protocol.as_ref().map_or(10.0, |protocol| protocol.viewing.window_deg);
-                let display = self.display.get_or_insert_default();
-                let step = display.show(ui, monitor, self.studies.screen(), checked.profile(), window_deg);
+                let step = self.display.show(ui, monitor, self.studies.screen(), checked.profile(), window_deg);
                 if step == Step::Next(()) {
                     // The file may have the same name as before.
                     self.studies.refresh(false, &self.memory.settings);
@@ -163,9 +162,8 @@ impl App {
                 Step::back_if(step == Step::Back)
             }
             Place::Analyze => {
-                let analysis = self.analysis.get_or_insert_default();
-                let left = analysis.show(ui, &self.memory.settings.recent.analyses);
-                if let Some(path) = analysis.opened() {
+                let left = self.analysis.show(ui, &self.memory.settings.recent.analyses);
+                if let Some(path) = self.analysis.opened() {
                     remember(&mut self.memory.settings.recent.analyses, &path.display().to_string());
                 }
                 Step::back_if(left)
@@ -174,17 +172,15 @@ impl App {
         match step {
             Step::Stay => return,
             Step::Next(Destination::Session(request)) => {
-                if let Some(analysis) = &mut self.analysis {
-                    analysis.pause();
-                }
-                self.session = Some(Box::new(Runner::new(*request)));
+                self.analysis.pause();
+                self.session = Some(Runner::new(*request));
             }
             Step::Next(Destination::Editor(definition, sessions)) => match editor::Editor::of(&definition, sessions) {
                 Ok(editor) => self.editor = Some(Box::new(editor)),
                 Err(error) => ui::complain(ui.ctx(), error.to_string()),
             },
             Step::Next(Destination::Analysis(data_set)) => {
-                self.analysis = Some(Box::new(analysis::Analysis::of(ui.ctx(), data_set)));
+                self.analysis = analysis::Analysis::of(ui.ctx(), data_set);
                 self.place = Place::Analyze;
             }
             Step::Back => self.go(Place::Studies, false),
@@ -197,7 +193,7 @@ impl App {
         let shown = |path: PathBuf| path.display().to_string();
         let about = match self.place {
             Place::Studies => Some(shown(self.studies.folder())),
-            Place::Analyze => self.analysis.as_ref().and_then(|analysis| analysis.opened()).map(shown),
+            Place::Analyze => self.analysis.opened().map(shown),
             // The pages themselves say which display they are about.
             Place::Display => None,
             Place::Stimuli | Place::Shading => {
@@ -229,11 +225,7 @@ impl App {
         self.place = place;
         match place {
             Place::Studies => self.studies.refresh(completed, &self.memory.settings),
-            Place::Analyze => {
-                if let Some(analysis) = &mut self.analysis {
-                    analysis.look_again();
-                }
-            }
+            Place::Analyze => self.analysis.look_again(),
             _ => {}
         }
     }
@@ -241,7 +233,7 @@ impl App {
     /// Returns the page that measures the screen, while it does so. As in a trial, the window shows nothing else.
     fn measured(&mut self) -> Option<&mut display::Display> {
         let shown = self.session.is_none() && self.place == Place::Display;
-        self.display.as_deref_mut().filter(|display| shown && display.ground().is_some())
+        Some(&mut self.display).filter(|display| shown && display.ground().is_some())
     }
 
     fn draw_dialogs(&mut self, ctx: &egui::Context) {
@@ -296,7 +288,7 @@ impl eframe::App for App {
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
         let ground = match &self.session {
             Some(session) => Some(session.ground()),
-            None if self.place == Place::Display => self.display.as_ref().and_then(|display| display.ground()),
+            None if self.place == Place::Display => self.display.ground(),
             None => None,
         };
         ground.unwrap_or(ui::theme::ink_of(visuals).page).to_normalized_gamma_f32()

@@ -17,7 +17,7 @@ use machband::{
 use super::{
     common::{machband, pixels, split},
     window::{
-        self, Window, builder, click, home, leave, press, type_into, value, wait_for, walk_to_first_trial, wrong_pixels,
+        self, Window, builder, click, home, press, type_into, value, wait_for, walk_to_first_trial, wrong_pixels,
     },
 };
 
@@ -130,29 +130,17 @@ fn the_measured_size_of_the_screen_is_used_on_home() {
     let mut harness = home(SIZE, STEP_S);
     click(&mut harness, "Display");
     harness.get_by_label_contains("sRGB, assumed: this screen");
-    harness.get_by_label("Size and distance").click();
-    harness.run_steps(2);
-    for (field, text) in [
-        ("Width of the display area, cm", "30"),
-        ("Viewing distance, cm", "57.3"),
-        ("Planned stimulus size, degrees", "40"),
-    ] {
-        type_into(&mut harness, field, text);
-    }
+    type_into(&mut harness, "Screen width, cm", "30");
+    type_into(&mut harness, "Viewing distance, cm", "57.3");
     // With 1000 pixels across 30 cm, viewed from 57.3 cm, a degree is a centimeter, or 33.3 pixels.
     harness.get_by_label_contains("One degree is 33.3 pixels, or 1.00 cm");
-    harness.get_by_label_contains("The screen is 30.0 × 24.0 cm");
-    // 40° needs 2 · 57.3 · tan 20° = 41.7 cm; the shorter side is 24 cm long.
-    harness.get_by_label_contains("only 58 % of its width fits");
-    harness.get_by_label_contains("It fits at a viewing distance of 32 cm or less");
-    leave(&mut harness);
-    harness.run_steps(2);
-    harness.get_by_label("Size and distance");
-    leave(&mut harness);
-    harness.run_steps(3);
+    type_into(&mut harness, "Viewing distance, cm", "200");
+    // 10° needs 2 · 200 · tan 5° = 35.0 cm; the shorter side is 24 cm long.
+    harness.get_by_label_contains("fits only at a viewing distance of 137 cm or less");
+    click(&mut harness, "Studies");
     window::session_form(&mut harness);
     assert_eq!(value(&harness, "Screen width, cm"), "30");
-    assert_eq!(value(&harness, "Viewing distance, cm"), "57.3");
+    assert_eq!(value(&harness, "Viewing distance, cm"), "200");
 }
 
 /// The pixels per inch that a system assumes rise with its scale.
@@ -190,14 +178,6 @@ fn steps_have_one_ratio_and_the_codes_of_the_profile() {
     }
     assert!(steps(&profile, i0, 200).unwrap().iter().any(|step| step.nearest != step.level));
     assert!(steps(&profile, 1.0, 8).is_err() && steps(&profile, i0, 0).is_err());
-}
-
-/// Opens the timing tool from Home.
-fn timing() -> Window {
-    let mut window = home([1000.0, 900.0], 1.0 / 60.0);
-    click(&mut window, "Display");
-    click(&mut window, "Timing");
-    window
 }
 
 fn says(window: &Window, text: &str) -> bool {
@@ -248,8 +228,9 @@ fn measuring_pages_show_nothing_else_and_leaving_asks() {
 
 #[test]
 fn timing_measures_and_reports() {
-    let mut window = timing();
-    assert!(!says(&window, "photosensitive"), "nothing flickers");
+    let mut window = home([1000.0, 900.0], STEP_S);
+    click(&mut window, "Display");
+    click(&mut window, "Timing");
     click(&mut window, "Measure");
     window.run_steps(640);
     for text in ["600", "60.000 Hz, 16.667 ms, measured", "dropped frames", "missed refreshes"] {
@@ -260,20 +241,4 @@ fn timing_measures_and_reports() {
     window.key_press(Key::Escape);
     window.run_steps(2);
     assert!(window.query_by_label("Timing").is_some());
-}
-
-#[test]
-fn two_warnings_precede_the_flicker_and_esc_stops_it() {
-    let mut window = timing();
-    click(&mut window, "A flickering patch");
-    assert!(says(&window, "photosensitive epilepsy"));
-    click(&mut window, "Measure");
-    assert!(says(&window, "It begins in 3 s. Press Esc to stop.") && says(&window, "photosensitive epilepsy"));
-    window.run_steps(60);
-    assert!(says(&window, "It begins in 2 s"));
-    window.run_steps(150);
-    assert!(!says(&window, "photosensitive"), "it flickers");
-    window.key_press(Key::Escape);
-    window.run_steps(3);
-    assert!(says(&window, "Measure") && !says(&window, "median"));
 }

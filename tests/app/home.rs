@@ -460,21 +460,13 @@ fn home_shows_errors_next_to_their_fields() {
 }
 
 #[test]
-fn the_gallery_shows_every_kind_and_explains_errors() {
+fn the_gallery_explains_errors_and_exports() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = window::home(SIZE, STEP_S);
     click(&mut harness, "Stimuli");
-    for entry in machband::stimulus::catalog::all() {
-        harness.get_by_label_contains(&entry.about[..20]);
-        for parameter in entry.default_stimulus().parameters() {
-            assert!(harness.query_all_by_label(&parameter.label()).count() > 0, "{}: {}", entry.kind, parameter.name);
-        }
-        // Selects the next kind in the list.
-        let next = machband::stimulus::catalog::all().iter().skip_while(|other| other.kind != entry.kind).nth(1);
-        let Some(next) = next else { break };
-        click(&mut harness, &format!("Show {}", next.title));
-    }
-    // The last kind is a shaded cylinder: an unknown shading is rejected, a known one is accepted.
+    let last = machband::stimulus::catalog::all().last().unwrap();
+    click(&mut harness, &format!("Show {}", last.title));
+    // This is a shaded cylinder: an unknown shading is rejected, a known one is accepted.
     let place = |harness: &Window| harness.query_all_by_label("Dither").next().unwrap().rect();
     let before = place(&harness);
     type_into(&mut harness, "Shading", "raytraced");

@@ -3,7 +3,7 @@
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 
-use crate::window::{Role, Window, click, home, press, session_form};
+use crate::window::{Role, Window, click, home, press, session_form, type_into};
 
 /// The controls without a name.
 fn nameless(window: &Window) -> Vec<String> {
@@ -71,14 +71,16 @@ fn every_control_of_every_place_has_a_name() {
     for entry in machband::stimulus::catalog::all() {
         click(&mut window, &format!("Show {}", entry.title));
         named(&window, entry.title);
+        window.get_by_label_contains(&entry.about[..20]);
+        for parameter in entry.default_stimulus().parameters() {
+            assert!(window.query_all_by_label(&parameter.label()).count() > 0, "{}: {}", entry.kind, parameter.name);
+        }
     }
     go(&mut window, Key::Num4);
     named(&window, "Shading");
     go(&mut window, Key::Num5);
     named(&window, "Display");
-    for tool in
-        ["Size and distance", "Photometer", "Gamma by eye", "Check the gamma", "Steps of equal brightness", "Timing"]
-    {
+    for tool in ["Photometer", "Gamma by eye", "Check the gamma", "Steps of equal brightness", "Timing"] {
         click(&mut window, tool);
         named(&window, tool);
         if tool == "Check the gamma" {
@@ -130,4 +132,24 @@ fn the_keyboard_reaches_every_button_in_reading_order() {
     let place = |label: &&str| reached.iter().position(|one| one == label).unwrap_or_else(|| panic!("{reached:?}"));
     let order = ["Duplicate as…", "More", "New session"];
     assert!(order.iter().map(place).is_sorted(), "{reached:?}");
+}
+
+/// Escape closes an open list, then leaves a field, then goes back to the start page.
+#[test]
+fn escape_closes_the_innermost_thing_first() {
+    let mut window = home([1366.0, 768.0], 1.0 / 60.0);
+    go(&mut window, Key::Num3);
+    let shows = |window: &Window, text: &str| window.query_all_by_label(text).next().is_some();
+    click(&mut window, "Dither");
+    assert!(shows(&window, "blue-noise"));
+    press(&mut window, Key::Escape);
+    window.run_steps(20);
+    assert!(!shows(&window, "blue-noise") && shows(&window, "Export to"), "Escape closes only the list");
+    type_into(&mut window, "Export to", "ramp.png");
+    press(&mut window, Key::Escape);
+    window.run_steps(3);
+    assert!(!window.ctx.text_edit_focused() && shows(&window, "Export to"), "Escape leaves only the field");
+    press(&mut window, Key::Escape);
+    window.run_steps(3);
+    assert!(shows(&window, "New session"), "Escape leaves the page");
 }

@@ -1,8 +1,5 @@
 //! A window without a display; the test supplies clicks, keys and time.
 
-// The tests of each page use only some of these functions.
-#![allow(dead_code)]
-
 use std::{path::Path, time::Duration};
 
 use eframe::egui::{Key, Modifiers};

@@ -13,9 +13,6 @@
 mod common;
 mod faults;
 mod harness;
-#[path = "../app/window.rs"]
-mod pane;
-mod start;
 mod tasks;
 
 use std::{
@@ -221,4 +218,62 @@ fn without_a_display_there_is_one_error() {
         assert!(!stderr.contains("panic"), "{stderr}");
     }
     assert!(!dir.path().join("results").exists());
+}
+
+/// The start page begins and resumes a session by its keys, and quitting during a trial asks.
+#[test]
+fn an_aborted_session_is_offered_and_resumed() {
+    let Some(mut harness) = Harness::new() else { return };
+    let definition = harness.swift();
+    let path = harness.dir.path().join("settings.toml");
+    let settings = format!(
+        "schema = 1\ntheme = \"light\"\nresults = {:?}\nstudy = {definition:?}\n[recent]\nexperiments = [{definition:?}]\n",
+        harness.results()
+    );
+    fs::write(&path, settings).unwrap();
+    let opened = |harness: &mut Harness| {
+        harness.start(&["--config", "settings.toml"]);
+        harness.until("the window", |harness| !harness.ask(&["search", "--name", "^machband$"]).is_empty());
+        // The sessions are read on another thread.
+        harness.at_rest();
+    };
+    opened(&mut harness);
+    let geometry = harness.ask(&["search", "--name", "^machband$", "getwindowgeometry", "--shell"]);
+    let height = geometry.lines().find_map(|line| line.strip_prefix("HEIGHT=")).unwrap().parse::<u16>().unwrap();
+    assert!(height < SCREEN.1, "the window and its title bar fit the screen");
+    harness.press("Return");
+    let csv = common::session_csv(&harness.dir.path().join("results"), "swift", "P001");
+    harness.rate(&csv, "1");
+    harness.rate(&csv, "2");
+    // Esc answers no, and the same session continues. Quitting again answers yes.
+    for (answer, waits) in [("Escape", true), ("ctrl+q", false)] {
+        harness.stimulus();
+        harness.press("ctrl+q");
+        harness.until("the question", |harness| harness.shown() == Shown::Page);
+        std::thread::sleep(Duration::from_millis(700));
+        assert!(harness.ended().is_none(), "quitting must ask");
+        harness.press(answer);
+        if waits {
+            std::thread::sleep(Duration::from_millis(300));
+            harness.rate(&csv, "3");
+        }
+    }
+    assert!(harness.wait_for_end().success());
+    assert_eq!(rows(&csv).len(), 3);
+    // The settings have survived; they name no participant.
+    let settings = fs::read_to_string(&path).unwrap();
+    assert!(settings.contains("theme = \"light\"") && !settings.contains("P001"), "{settings}");
+    opened(&mut harness);
+    // From the next participant to the session that was interrupted.
+    harness.press("Up");
+    harness.at_rest();
+    harness.press("Return");
+    for key in ["0", "1", "2"] {
+        harness.rate(&csv, key);
+    }
+    harness.until("the sidecar to say complete", |_| {
+        fs::read_to_string(csv.with_extension("json")).unwrap_or_default().contains("\"complete\": true")
+    });
+    let output = common::machband(harness.dir.path(), &["verify", csv.parent().unwrap().to_str().unwrap()]);
+    assert!(output.status.success(), "{output:?}");
 }

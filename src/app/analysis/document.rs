@@ -2,14 +2,12 @@
 
 use eframe::egui::{self, Align, Layout, RichText, ScrollArea};
 
-use super::table::TableView;
+use super::{opened::SUMMARY, table::TableView};
 use crate::{
     app::ui::{figure::FigureView, hint, paged, paragraph, section, theme, tick},
     report::document::{Block, Document, Section},
 };
 
-/// Address of the section that says what was found.
-const SUMMARY: &str = "summary";
 /// In a view wider than this, points, figures are in two columns.
 const TWO_COLUMNS: f32 = 780.0;
 

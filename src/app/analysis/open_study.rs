@@ -6,13 +6,13 @@ use eframe::egui::{self, RichText};
 
 use super::{
     document::DocumentView,
-    opened::{Export, Exported, Files, Opened, Request, problems, show_opened},
+    opened::{Exported, Files, Opened, Request, problems},
     query::{Filters, ModelControls},
 };
 use crate::{
     analysis::{Results, analyze_with, counts::Exclusions},
     app::ui::{
-        Step, hint, paragraph, parameter, secondary, show_error, theme,
+        hint, paragraph, parameter, secondary, show_error, theme,
         work::{BackgroundTask, Lost, Steps},
     },
     report::{
@@ -33,8 +33,6 @@ const VISION: (&str, &str) = ("vision", "What the vision model predicts");
 /// The data and its analysis.
 pub struct OpenStudy {
     pub study: Arc<Study>,
-    /// The files of the study, and how they were read.
-    files: Arc<Files>,
     filters: Filters,
     model: ModelControls,
     /// The last requested analysis, finished or not.
@@ -50,10 +48,6 @@ pub struct OpenStudy {
     /// The running computation of the document with a prediction.
     predicting: Option<BackgroundTask<Document>>,
     error: Option<String>,
-    /// The address of the open section.
-    section: &'static str,
-    export: Export,
-    request: Option<Request>,
 }
 
 /// How far an analysis is. While it is not done, the results are of what was selected before.
@@ -83,8 +77,7 @@ struct Outcome {
 }
 
 impl OpenStudy {
-    pub fn new(study: Study, files: Arc<Files>) -> Self {
-        let paths = study.source.files.iter().map(|file| file.path.clone());
+    pub fn new(study: Study) -> Self {
         Self {
             filters: Filters::default(),
             model: ModelControls::default(),
@@ -95,11 +88,7 @@ impl OpenStudy {
             shown: None,
             predicting: None,
             error: None,
-            section: "summary",
-            export: Export::new(&files.asked.ratings.paths, paths),
             study: Arc::new(study),
-            files,
-            request: None,
         }
     }
 
@@ -110,23 +99,9 @@ impl OpenStudy {
         Self {
             filters: if same { before.filters } else { Filters::default() },
             model: before.model,
-            section: before.section,
-            export: before.export,
             // The earlier results stay until the new ones are ready.
             shown: before.shown,
             ..self
-        }
-    }
-
-    /// Draws the study, and why it could not be read with other options. `Next` requests an action that only the page can
-    /// perform.
-    pub fn show(&mut self, ui: &mut egui::Ui, error: &str) -> Step<Request> {
-        self.take_outcome(ui.ctx());
-        self.analyze(ui.ctx());
-        let back = show_opened(ui, self, error);
-        match self.request.take() {
-            Some(request) => Step::Next(request),
-            None => Step::back_if(back),
         }
     }
 
@@ -162,8 +137,8 @@ impl OpenStudy {
     }
 
     /// Begins an analysis when another one is requested; one that is still running is stopped.
-    fn analyze(&mut self, ctx: &egui::Context) {
-        let ratings = self.files.asked.ratings.clone().excluding(self.filters.0.clone());
+    fn analyze(&mut self, ctx: &egui::Context, files: &Files) {
+        let ratings = files.asked.ratings.clone().excluding(self.filters.0.clone());
         let request = Analyze { ratings, ..self.model.request.clone() };
         if self.last.as_ref() != Some(&request) {
             self.last = Some(request);
@@ -198,8 +173,9 @@ impl OpenStudy {
 }
 
 impl Opened for OpenStudy {
-    fn section(&mut self) -> &mut &'static str {
-        &mut self.section
+    fn update(&mut self, ctx: &egui::Context, files: &Files) {
+        self.take_outcome(ctx);
+        self.analyze(ctx, files);
     }
 
     fn headings(&self) -> Vec<(&'static str, &'static str)> {
@@ -251,31 +227,29 @@ impl Opened for OpenStudy {
         }
     }
 
-    fn document(&mut self, ui: &mut egui::Ui) {
+    fn document(&mut self, ui: &mut egui::Ui, section: &str) -> bool {
         if let Some(text) = &self.error {
             show_error(ui, text);
         }
         if let Some(draft) = &mut self.draft
             && matches!(self.state, State::Running { .. } | State::Stopped)
         {
-            let is_first = self.shown.is_none();
-            if DRAFTED.contains(&self.section) {
-                draft.show(ui, self.section);
-                return;
+            if DRAFTED.contains(&section) {
+                return draft.show(ui, section);
             }
-            if is_first {
+            if self.shown.is_none() {
                 draft.summary(ui, true);
-                return;
+                return true;
             }
         }
         let is_stale = self.is_stale();
-        let Some((outcome, view)) = &mut self.shown else { return };
+        let Some((outcome, view)) = &mut self.shown else { return true };
         // Results of an earlier selection stay, dimmed, until the new ones are there.
         let found = ui.scope(|ui| {
             if is_stale {
                 ui.multiply_opacity(theme::STALE);
             }
-            view.show(ui, self.section)
+            view.show(ui, section)
         });
         if !found.inner && !matches!(self.state, State::Empty) {
             ui.horizontal(|ui| {
@@ -288,27 +262,24 @@ impl Opened for OpenStudy {
                 self.predicting = Some(BackgroundTask::stoppable(ui.ctx(), predict));
             }
         }
+        true
     }
 
     /// Draws the controls: files, filters, model.
-    fn controls(&mut self, ui: &mut egui::Ui) {
+    fn controls(&mut self, ui: &mut egui::Ui, files: &Files) -> Option<Request> {
+        let mut request = None;
         let source = &self.study.source;
         about(ui, &self.study);
         let unfinished = source.sessions.iter().any(SessionRead::is_unfinished);
         if unfinished || source.left_out(Reason::Unfinished).0 > 0 {
-            let mut asked = self.files.asked.clone();
+            let mut asked = files.asked.clone();
             if ui.checkbox(&mut asked.ratings.how.complete_only, "Exclude unfinished sessions").changed() {
-                self.request = Some(Request::Read(Box::new(asked)));
+                request = Some(Request::Read(Box::new(asked)));
             }
         }
-        ui.horizontal_wrapped(|ui| {
-            if ui.button("Other data…").clicked() {
-                self.request = Some(Request::OtherData);
-            }
-            if self.files.asked.ratings.how.subject.is_some() && ui.button("Columns…").clicked() {
-                self.request = Some(Request::Columns);
-            }
-        });
+        if ui.button("Other data…").clicked() {
+            request = Some(Request::OtherData);
+        }
         ui.separator();
         let counts = &self.study.measured.counts;
         // The columns of others are named as they name them.
@@ -320,9 +291,10 @@ impl Opened for OpenStudy {
         }
         ui.separator();
         self.model.show(ui, counts, &self.filters);
+        request
     }
 
-    fn export(&mut self, ui: &mut egui::Ui) {
+    fn exported(&self) -> (Option<&Analyze>, Option<Exported<'_>>) {
         // Only displayed results can be exported, not results that are still being computed.
         let outcome = self.shown.as_ref().filter(|_| !self.is_stale()).map(|(outcome, _)| outcome);
         let exported = outcome.map(|outcome| {
@@ -338,8 +310,7 @@ impl Opened for OpenStudy {
                 }),
             }
         });
-        let request = self.last.as_ref().filter(|_| !matches!(self.state, State::Empty));
-        self.export.show(ui, request, exported.as_ref());
+        (self.last.as_ref().filter(|_| !matches!(self.state, State::Empty)), exported)
     }
 }
 

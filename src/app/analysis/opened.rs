@@ -11,7 +11,7 @@ use eframe::egui::{self, CentralPanel, CollapsingHeader, Frame, Panel, RichText,
 
 use crate::{
     app::ui::{
-        Dialog, Field, FileKind, Saving, complain, folded, full, heading, open, paragraph, pinned, say,
+        Field, FileKind, Saving, Step, browse, complain, folded, full, heading, open, paragraph, pinned, say,
         text::{self, two_lines},
         theme::{self, ink},
         work::{BackgroundTask, Lost},
@@ -26,91 +26,129 @@ use crate::{
 const MAX_ERRORS: usize = 200;
 /// In a window narrower than this, in points, the data and filters have a separate view.
 const NARROW: f32 = 700.0;
-/// Address and heading of the view of data and filters.
+/// Address of the section that says what was found, and address and heading of the view of data and filters.
+pub const SUMMARY: &str = "summary";
 const DATA: (&str, &str) = ("data", "Data");
 
 /// An action that only the page can perform.
 pub enum Request {
     OtherData,
-    /// Choose other columns of the same file.
-    Columns,
     /// Read the same files again with other options.
     Read(Box<Analyze>),
 }
 
 /// Data that were read, and their analysis.
 pub trait Opened {
-    /// The address of the open section.
-    fn section(&mut self) -> &mut &'static str;
+    /// Takes and begins computations.
+    fn update(&mut self, _: &egui::Context, _: &Files) {}
 
     /// Returns the address and the heading of every section.
     fn headings(&self) -> Vec<(&'static str, &'static str)>;
 
-    /// Draws the files and what is selected of them.
-    fn controls(&mut self, ui: &mut egui::Ui);
+    /// Draws what is selected of the files; returns an action that only the page can perform.
+    fn controls(&mut self, ui: &mut egui::Ui, files: &Files) -> Option<Request>;
 
-    fn export(&mut self, ui: &mut egui::Ui);
+    /// Returns what is asked for, if anything is selected, and the results if they are of that.
+    fn exported(&self) -> (Option<&Analyze>, Option<Exported<'_>>);
 
     /// Draws what is shown, and how far a newer analysis is.
     fn state(&mut self, _: &mut egui::Ui) {}
 
-    /// Draws the open section.
-    fn document(&mut self, ui: &mut egui::Ui);
+    /// Draws the section at an address; returns whether it exists.
+    fn document(&mut self, ui: &mut egui::Ui, section: &str) -> bool;
 }
 
-/// Draws the data, and the `error` in reading them in another way; returns whether the user leaves them.
-pub fn show_opened<T: Opened>(ui: &mut egui::Ui, opened: &mut T, error: &str) -> bool {
-    let narrow = ui.available_width() < NARROW;
-    let mut back = false;
-    if !narrow {
-        if *opened.section() == DATA.0 {
-            *opened.section() = "summary";
-        }
-        let controls = |ui: &mut egui::Ui, opened: &mut T| {
-            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                back = heading(ui, "Analyze");
-                opened.controls(ui);
-                text::errors(ui, error);
-            });
-        };
-        let width = (ui.available_width() * 0.3).clamp(290.0, 360.0);
-        let panel = Panel::left("analysis").resizable(false).exact_size(width).frame(Frame::NONE.inner_margin(12.0));
-        panel.show(ui, |ui| {
-            theme::compact(ui);
-            pinned(ui, opened, controls, |ui, opened| opened.export(ui));
-        });
+/// What is around opened data: their files, the open section, and the export.
+pub struct Shell {
+    pub files: Files,
+    /// The address of the open section.
+    section: &'static str,
+    export: Export,
+}
+
+impl Shell {
+    /// Creates it for files that were asked for; `read` are the files that were read.
+    pub fn new(files: Files, read: impl Iterator<Item = PathBuf>) -> Self {
+        let export = Export::new(&files.asked.ratings.paths, read);
+        Self { files, section: SUMMARY, export }
     }
-    CentralPanel::default().frame(Frame::NONE.inner_margin(12.0)).show(ui, |ui| {
-        theme::compact(ui);
-        ui.horizontal_wrapped(|ui| {
-            let all = opened.headings();
-            if narrow {
-                back = ui.button("Back").clicked();
-                let all: Vec<_> = std::iter::once(DATA).chain(all).collect();
-                let heading =
-                    |id: &&'static str| all.iter().find(|(one, _)| one == id).map_or("", |(_, heading)| heading);
-                let ids: Vec<&'static str> = all.iter().map(|(id, _)| *id).collect();
-                let field = Field::new("Section").width(180.0);
-                field.choice(ui, opened.section(), &ids, |id| heading(id).to_owned());
-            } else {
-                for (id, heading) in all {
-                    ui.selectable_value(opened.section(), id, heading);
+
+    /// Keeps the place and the export of the same files.
+    pub fn after(self, before: Self) -> Self {
+        Self { section: before.section, export: before.export, ..self }
+    }
+
+    /// Draws the data, which are dimmed while they are read again, and the `error` in reading them in another way.
+    pub fn show(&mut self, ui: &mut egui::Ui, opened: &mut dyn Opened, is_stale: bool, error: &str) -> Step<Request> {
+        opened.update(ui.ctx(), &self.files);
+        let narrow = ui.available_width() < NARROW;
+        let (mut back, mut request) = (false, None);
+        let frame = Frame::NONE.inner_margin(12.0);
+        if !narrow {
+            if self.section == DATA.0 {
+                self.section = SUMMARY;
+            }
+            let width = (ui.available_width() * 0.3).clamp(290.0, 360.0);
+            let panel = Panel::left("analysis").resizable(false).exact_size(width).frame(frame);
+            panel.show(ui, |ui| {
+                theme::compact(ui);
+                let mut both = (&mut *self, &mut *opened);
+                pinned(
+                    ui,
+                    &mut both,
+                    |ui, (shell, opened)| {
+                        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                            back = heading(ui, "Analyze");
+                            request = opened.controls(ui, &shell.files);
+                            text::errors(ui, error);
+                        });
+                    },
+                    |ui, (shell, opened)| shell.export(ui, &**opened, is_stale),
+                );
+            });
+        }
+        CentralPanel::default().frame(frame).show(ui, |ui| {
+            theme::compact(ui);
+            ui.horizontal_wrapped(|ui| {
+                let all = opened.headings();
+                if narrow {
+                    back = ui.button("Back").clicked();
+                    let all: Vec<_> = std::iter::once(DATA).chain(all).collect();
+                    let heading =
+                        |id: &&'static str| all.iter().find(|(one, _)| one == id).map_or("", |(_, heading)| heading);
+                    let ids: Vec<&'static str> = all.iter().map(|(id, _)| *id).collect();
+                    let field = Field::new("Section").width(180.0);
+                    field.choice(ui, &mut self.section, &ids, |id| heading(id).to_owned());
+                } else {
+                    for (id, heading) in all {
+                        ui.selectable_value(&mut self.section, id, heading);
+                    }
                 }
+            });
+            opened.state(ui);
+            ui.separator();
+            if self.section == DATA.0 {
+                ScrollArea::vertical().id_salt("data").auto_shrink(false).show(ui, |ui| {
+                    request = opened.controls(ui, &self.files);
+                    text::errors(ui, error);
+                    self.export(ui, opened, is_stale);
+                });
+                return;
+            }
+            if is_stale {
+                ui.multiply_opacity(theme::STALE);
+            }
+            if !opened.document(ui, self.section) {
+                self.section = SUMMARY;
             }
         });
-        opened.state(ui);
-        ui.separator();
-        if *opened.section() == DATA.0 {
-            ScrollArea::vertical().id_salt("data").auto_shrink(false).show(ui, |ui| {
-                opened.controls(ui);
-                text::errors(ui, error);
-                opened.export(ui);
-            });
-        } else {
-            opened.document(ui);
-        }
-    });
-    back
+        request.map_or(Step::back_if(back), Step::Next)
+    }
+
+    fn export(&mut self, ui: &mut egui::Ui, opened: &dyn Opened, is_stale: bool) {
+        let (request, exported) = opened.exported();
+        self.export.show(ui, request, exported.as_ref().filter(|_| !is_stale));
+    }
 }
 
 /// Lists errors or warnings about the files.
@@ -170,8 +208,6 @@ const MESSAGE: usize = 6;
 pub struct Export {
     /// The paths and the files in those that are folders. The export never replaces them.
     inputs: Vec<PathBuf>,
-    folder: String,
-    dialog: Dialog,
     work: Option<(PathBuf, BackgroundTask<Result<usize, StoreError>>)>,
     saving: Saving,
     /// The folder with the last export.
@@ -194,27 +230,28 @@ impl Export {
     pub fn new(paths: &[PathBuf], files: impl Iterator<Item = PathBuf>) -> Self {
         let name = paths.first().and_then(|path| path.file_stem()).filter(|name| !name.is_empty());
         let name = name.map_or("machband".into(), |name| name.to_string_lossy());
-        let folder = format!("{name}-analysis");
-        Self { folder, inputs: paths.iter().cloned().chain(files).collect(), ..Self::default() }
+        let saving = Saving::to(format!("{name}-analysis"));
+        Self { saving, inputs: paths.iter().cloned().chain(files).collect(), ..Self::default() }
     }
 
     /// Draws the controls. Nothing can be exported while no results are shown; `request` is what was asked for.
     pub fn show(&mut self, ui: &mut egui::Ui, request: Option<&Analyze>, exported: Option<&Exported<'_>>) {
         self.take_outcome(ui.ctx());
         let width = ui.available_width();
-        let field = Field::new("Export to the folder").width(width).text(ui, &mut self.folder);
-        let mut changed = field.changed();
+        let mut changed = self.saving.field(ui, Field::new("Export to the folder").width(width)).changed();
         ui.horizontal_wrapped(|ui| {
-            let folder = PathBuf::from(self.folder.trim());
+            let folder = self.saving.path();
             let ready = exported.is_some() && self.work.is_none() && !folder.as_os_str().is_empty();
-            let writer = self.saving.button(ui, "Export", ready, &folder, &self.inputs);
+            let writer = self.saving.button(ui, "Export", ready, &self.inputs);
             if let Some((exported, writer)) = exported.zip(writer) {
                 self.start(ui.ctx(), folder, writer, exported);
             }
-            changed |= self.dialog.browse(ui, FileKind::Folder, "Choose the folder to export to…", &mut self.folder);
+            let name = "Choose the folder to export to…";
+            changed |= browse(ui, FileKind::Folder, name, &mut self.saving.typed);
         });
         if changed {
-            (self.saving, self.written) = (Saving::default(), None);
+            self.saving.forget();
+            self.written = None;
         }
         let ink = ink(ui);
         let (note, color) = match self.saving.told(ui.ctx()) {
@@ -278,7 +315,7 @@ impl Export {
 
     /// Returns the command that repeats the request.
     fn command(&self, request: &Analyze) -> String {
-        let out = ["--out".to_owned(), self.folder.trim().to_owned()];
+        let out = ["--out".to_owned(), self.saving.typed.trim().to_owned()];
         shell_command(["analyze".to_owned()].into_iter().chain(words(request)).chain(out))
     }
 }

@@ -1,40 +1,40 @@
 //! The page that reads and shows the data.
 
-use std::{path::PathBuf, sync::Arc};
+use std::path::PathBuf;
 
 use eframe::egui::{self, Key};
 
 use super::{
     open_study::OpenStudy,
-    opened::{Files, Request},
-    questions::{CategoryOrder, Columns},
+    opened::{Files, Opened, Request, Shell},
+    questions::Question,
     task::OpenTask,
 };
 use crate::{
     app::ui::{
-        Dialog, Field, FileKind, Step, escaped, heading, hint, paragraph, place_page, section, show_error,
+        Field, FileKind, Step, dialog, escaped, heading, hint, paragraph, place_page, section, show_error,
         work::{BackgroundTask, Lost},
     },
     work::{Analyze, Ratings},
 };
 
+/// The name of what opens the dialogs.
+const DATA: &str = "data to analyze";
+
 #[derive(Default)]
 pub struct Analysis {
     /// The path as typed.
     typed: String,
-    dialog: Dialog,
     /// The files being read, if any.
     reading: Option<Pending>,
     /// Why the last files could not be read.
     error: Option<String>,
-    columns: Option<Columns>,
-    /// The categories to put in order before anything is analyzed.
-    order: Option<CategoryOrder>,
+    /// What the last files do not say, and the user is asked.
+    question: Option<Question>,
     /// The files and folders opened last, and how they are read.
     asked: Analyze,
-    open: Option<Open>,
-    /// The files of the open data, and whether to look if they have changed.
-    files: Option<Arc<Files>>,
+    open: Option<(Shell, Open)>,
+    /// Whether to look if the files of the open data have changed.
     returns: bool,
 }
 
@@ -44,19 +44,36 @@ enum Open {
     Task(Box<OpenTask>),
 }
 
-type Reading = Result<(Arc<Files>, Open), String>;
+impl Open {
+    /// Keeps the selection and the results of the same files, read again.
+    fn after(self, before: Self) -> Self {
+        match (self, before) {
+            (Self::Task(task), Self::Task(before)) => Self::Task(task.after(*before).into()),
+            (Self::Ratings(study), Self::Ratings(before)) => Self::Ratings(study.after(*before).into()),
+            (open, _) => open,
+        }
+    }
+
+    fn opened(&mut self) -> &mut dyn Opened {
+        match self {
+            Self::Ratings(study) => &mut **study,
+            Self::Task(task) => &mut **task,
+        }
+    }
+}
+
+type Reading = Result<(Shell, Open), String>;
 
 /// Reads what is asked for: ratings, or the answers to another task, which are analyzed at once.
 fn read(asked: &Analyze) -> Reading {
-    let files = Arc::new(Files::of(asked.clone()));
-    let open = match asked.read_task().map_err(|error| error.to_string())? {
-        Some(study) => Open::Task(OpenTask::new(study, files.clone()).into()),
-        None => {
-            let study = asked.read_unordered().map_err(|errors| errors.to_string())?;
-            Open::Ratings(OpenStudy::new(study, files.clone()).into())
-        }
-    };
-    Ok((files, open))
+    let files = Files::of(asked.clone());
+    if let Some(study) = asked.read_task().map_err(|error| error.to_string())? {
+        let shell = Shell::new(files, study.files.iter().map(|(path, _)| path.clone()));
+        return Ok((shell, Open::Task(OpenTask::new(study, asked).into())));
+    }
+    let study = asked.read_unordered().map_err(|errors| errors.to_string())?;
+    let shell = Shell::new(files, study.source.files.iter().map(|file| file.path.clone()));
+    Ok((shell, Open::Ratings(OpenStudy::new(study).into())))
 }
 
 /// Files that are being read.
@@ -82,7 +99,7 @@ impl Analysis {
 
     /// Ends the computation of what is not shown; it begins again when the page is shown.
     pub fn pause(&mut self) {
-        if let Some(Open::Ratings(study)) = &mut self.open {
+        if let Some((_, Open::Ratings(study))) = &mut self.open {
             study.pause();
         }
     }
@@ -90,14 +107,13 @@ impl Analysis {
     /// Begins to read files and folders. Discards any reading that has not finished.
     fn read(&mut self, ctx: &egui::Context, asked: Analyze, again: bool) {
         self.asked = asked.clone();
-        (self.error, self.order) = (None, None);
+        (self.error, self.question) = (None, None);
         let request = asked.clone();
         let work = BackgroundTask::stoppable(ctx, move || read(&request));
         self.reading = Some(Pending { asked, again, work });
     }
 
     fn read_new(&mut self, ctx: &egui::Context, paths: Vec<PathBuf>) {
-        self.columns = None;
         self.read(ctx, of(Ratings { paths, ..Ratings::default() }), false);
     }
 
@@ -115,17 +131,14 @@ impl Analysis {
         self.look(ui.ctx());
         // While its files are read again, the study stays in view.
         let is_reading = self.reading.as_ref().is_some_and(|pending| !pending.again);
-        let open = self.open.as_mut().filter(|_| self.columns.is_none() && !is_reading);
+        let open = self.open.as_mut().filter(|_| !is_reading);
         let error = self.error.as_deref().unwrap_or_default();
         let step = match open {
             None => Step::back_if(self.show_start(ui, recent)),
             // Other data begin at the top.
-            Some(open) => {
-                let shown = ui.push_id(&self.asked.ratings.paths, |ui| match open {
-                    Open::Ratings(study) => study.show(ui, error),
-                    Open::Task(task) => task.show(ui, self.reading.is_some(), error),
-                });
-                shown.inner
+            Some((shell, open)) => {
+                let is_stale = self.reading.is_some();
+                ui.push_id(&self.asked.ratings.paths, |ui| shell.show(ui, open.opened(), is_stale, error)).inner
             }
         };
         let back = match step {
@@ -142,7 +155,7 @@ impl Analysis {
     fn take_files(&mut self, ctx: &egui::Context) {
         let dropped: Vec<PathBuf> =
             ctx.input(|input| input.raw.dropped_files.iter().map(|file| file.path().to_owned()).collect());
-        let paths = if dropped.is_empty() { self.dialog.take(ctx) } else { Some(dropped) };
+        let paths = if dropped.is_empty() { dialog::answer(ctx, DATA) } else { Some(dropped) };
         if let Some(paths) = paths {
             self.read_new(ctx, paths);
         }
@@ -157,23 +170,21 @@ impl Analysis {
         let Some(Pending { asked, again, .. }) = self.reading.take() else { return };
         let before = self.open.take();
         match read {
-            Ok((files, open)) => {
-                (self.files, self.columns) = (Some(files), None);
-                let open = match (open, before.filter(|_| again)) {
-                    (Open::Task(task), Some(Open::Task(before))) => Open::Task(task.after(*before).into()),
-                    (Open::Ratings(study), Some(Open::Ratings(before))) => Open::Ratings(study.after(*before).into()),
-                    (open, _) => open,
+            Ok((shell, open)) => {
+                let open = match before.filter(|_| again) {
+                    Some((before, old)) => (shell.after(before), open.after(old)),
+                    None => (shell, open),
                 };
-                if let Open::Ratings(open) = &open {
-                    self.order = CategoryOrder::needed(&open.study, &asked.ratings);
+                if let (_, Open::Ratings(open)) = &open {
+                    self.question = Question::of_order(&open.study, &asked.ratings);
                 }
-                self.open = Some(open).filter(|_| self.order.is_none());
+                self.open = Some(open).filter(|_| self.question.is_none());
             }
             Err(error) if again && before.is_some() => (self.open, self.error) = (before, Some(error)),
             Err(error) => {
-                self.columns = Columns::needed(&asked.ratings);
+                self.question = Question::of_columns(&asked.ratings);
                 // A missing selection is not an error before the user has seen the form.
-                let is_first = self.columns.is_some() && asked.ratings.how.subject.is_none();
+                let is_first = self.question.is_some() && asked.ratings.how.subject.is_none();
                 self.error = (!is_first).then_some(error);
             }
         }
@@ -182,9 +193,7 @@ impl Analysis {
     /// Reads the open files again if they have changed while another page or window was in use.
     fn look(&mut self, ctx: &egui::Context) {
         self.returns |= ctx.input(|input| input.events.contains(&egui::Event::WindowFocused(true)));
-        // A form that is being filled in must stay.
-        let is_open = self.open.is_some() && self.columns.is_none();
-        let Some(files) = self.files.clone().filter(|_| is_open && self.reading.is_none()) else { return };
+        let Some((Shell { files, .. }, _)) = self.open.as_ref().filter(|_| self.reading.is_none()) else { return };
         if std::mem::take(&mut self.returns) && files.have_changed() {
             self.read(ctx, files.asked.clone(), true);
         }
@@ -194,9 +203,6 @@ impl Analysis {
     fn follow(&mut self, ctx: &egui::Context, request: Request) {
         match request {
             Request::OtherData => (self.open, self.error) = (None, None),
-            Request::Columns => {
-                self.columns = self.files.as_ref().and_then(|files| Columns::of(&files.asked.ratings));
-            }
             Request::Read(asked) => {
                 // The study requests the same again in every frame until it is read.
                 if self.reading.as_ref().is_none_or(|pending| pending.asked != *asked) {
@@ -221,18 +227,8 @@ impl Analysis {
                 }
                 return back;
             }
-            let mut named = None;
-            let mut keep = false;
-            if let Some(columns) = &mut self.columns {
-                named = columns.show(ui);
-                keep = self.open.is_some() && ui.button("Keep the current columns").clicked();
-            } else if let Some(order) = &mut self.order {
-                named = order.show(ui);
-                if ui.button("Columns…").clicked() {
-                    self.columns = Columns::of(&order.ratings);
-                }
-            }
-            let is_asked = self.columns.is_some() || self.order.is_some();
+            let named = self.question.as_mut().and_then(|question| question.show(ui));
+            let is_asked = self.question.is_some();
             let mut chosen = if is_asked { None } else { self.choose(ui, recent) };
             for line in self.error.iter().flat_map(|error| error.lines()).take(20) {
                 show_error(ui, line);
@@ -240,9 +236,6 @@ impl Analysis {
             if is_asked {
                 ui.separator();
                 chosen = self.choose(ui, recent);
-            }
-            if keep {
-                self.columns = None;
             }
             if let Some(ratings) = named {
                 self.read(&ctx, of(ratings), false);
@@ -265,7 +258,7 @@ impl Analysis {
         ui.horizontal_wrapped(|ui| {
             for (text, ask) in [("Open files…", FileKind::Data), ("Open folder…", FileKind::Folder)] {
                 if ui.button(text).clicked() {
-                    self.dialog.open(ui.ctx(), ask);
+                    dialog::ask(ui.ctx(), ask, DATA);
                 }
             }
         });

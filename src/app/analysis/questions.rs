@@ -22,8 +22,44 @@ const RESPONSES: [&str; 5] = ["rating", "response", "score", "answer", "resp"];
 /// Common names of count columns; these must match the whole name. `n` is not among them, because it may be a factor.
 const COUNTS: [&str; 3] = ["count", "freq", "frequency"];
 
-/// The form for one file.
-#[derive(Clone, Debug)]
+/// A question about files that were read.
+pub enum Question {
+    Columns(Columns),
+    Order(CategoryOrder),
+}
+
+impl Question {
+    /// Asks what the columns mean, if they are not known. The factors are known only for result files and tables of
+    /// counts.
+    pub fn of_columns(ratings: &Ratings) -> Option<Self> {
+        let form = Columns::of(ratings)?;
+        let has = |name: &Option<String>, ours: &str| form.header.iter().any(|h| h == name.as_deref().unwrap_or(ours));
+        let known = has(&ratings.how.subject, "subject_id") && has(&ratings.how.response, "rating");
+        let with_factors = has(&ratings.how.count, "count") || has(&None, "phase");
+        (!known || !with_factors).then_some(Self::Columns(form))
+    }
+
+    /// Asks for the order of the categories, if it is not known.
+    pub fn of_order(study: &Study, ratings: &Ratings) -> Option<Self> {
+        let (shape, counts) = (&study.source.shape, &study.measured.counts);
+        let order = || CategoryOrder {
+            ratings: ratings.clone(),
+            response: shape.response.clone(),
+            categories: counts.categories.clone(),
+        };
+        (!counts.is_ordered(shape.categories.as_deref())).then(|| Self::Order(order()))
+    }
+
+    /// Draws the question; returns how to read the files once the user has answered it.
+    pub fn show(&mut self, ui: &mut egui::Ui) -> Option<Ratings> {
+        match self {
+            Self::Columns(form) => form.show(ui),
+            Self::Order(list) => list.show(ui),
+        }
+    }
+}
+
+/// The form for the columns of one file.
 pub struct Columns {
     /// What is chosen, except the factors.
     ratings: Ratings,
@@ -34,18 +70,9 @@ pub struct Columns {
 }
 
 impl Columns {
-    /// Creates a form for the first CSV file among these paths; `None` if there is no such file, or if its columns are
-    /// known. The factors are known only for result files and tables of counts.
-    pub fn needed(ratings: &Ratings) -> Option<Self> {
-        let form = Self::of(ratings)?;
-        let has = |name: &Option<String>, ours: &str| form.header.iter().any(|h| h == name.as_deref().unwrap_or(ours));
-        let known = has(&ratings.how.subject, "subject_id") && has(&ratings.how.response, "rating");
-        let with_factors = has(&ratings.how.count, "count") || has(&None, "phase");
-        (!known || !with_factors).then_some(form)
-    }
-
-    /// Creates a form for the first CSV file among these paths, filled in with the previous choices.
-    pub fn of(ratings: &Ratings) -> Option<Self> {
+    /// Creates a form for the first CSV file among these paths, filled in with the previous choices; `None` if there is no
+    /// such file.
+    fn of(ratings: &Ratings) -> Option<Self> {
         let file = ratings.paths.iter().find_map(|path| first_csv(path))?;
         let header = header(&file)?;
         let known = |name: &Option<String>| name.clone().filter(|name| header.contains(name));
@@ -65,8 +92,7 @@ impl Columns {
         Some(Self { ratings, file, header, factors })
     }
 
-    /// Draws the form; returns how to read the file once the user confirms.
-    pub fn show(&mut self, ui: &mut egui::Ui) -> Option<Ratings> {
+    fn show(&mut self, ui: &mut egui::Ui) -> Option<Ratings> {
         section(ui, "What do the columns mean?");
         let name = self.file.file_name().unwrap_or(self.file.as_os_str()).to_string_lossy().into_owned();
         hint(ui, format!("{name} was not written by machband. Identify its columns."));
@@ -132,27 +158,15 @@ fn header(file: &Path) -> Option<Vec<String>> {
 }
 
 /// The list of categories that the user puts in order.
-#[derive(Clone, Debug)]
 pub struct CategoryOrder {
     /// How the categories were read.
-    pub ratings: Ratings,
+    ratings: Ratings,
     response: String,
     categories: Vec<String>,
 }
 
 impl CategoryOrder {
-    /// Creates the list if the order of the categories is unknown.
-    pub fn needed(study: &Study, ratings: &Ratings) -> Option<Self> {
-        let (shape, counts) = (&study.source.shape, &study.measured.counts);
-        (!counts.is_ordered(shape.categories.as_deref())).then(|| Self {
-            ratings: ratings.clone(),
-            response: shape.response.clone(),
-            categories: counts.categories.clone(),
-        })
-    }
-
-    /// Draws the list; returns how to read the files once the user confirms the order.
-    pub fn show(&mut self, ui: &mut egui::Ui) -> Option<Ratings> {
+    fn show(&mut self, ui: &mut egui::Ui) -> Option<Ratings> {
         section(ui, "What is the order of the ratings?");
         hint(
             ui,

@@ -8,8 +8,8 @@ use eframe::egui::{self, Color32, Context, Ui, ViewportCommand};
 use super::tool::Tool;
 use crate::{
     app::ui::{
-        Dialog, Field, FileKind, Monitor, Saving, ScreenFields, Step, hint, neutral_primary, paragraph, secondary,
-        section, show_error, text, today, tool_page,
+        Field, FileKind, Monitor, Saving, Step, hint, neutral_primary, paragraph, secondary, section, show_error, text,
+        today, tool_page,
     },
     display::{Channel, DisplayProfile, Measurement, Viewing},
     store::{StoreError, Writer, profile},
@@ -104,7 +104,6 @@ pub struct Calibrate<M: Method> {
     file: String,
     /// Why it cannot be used.
     file_error: String,
-    dialog: Dialog,
     error: Option<String>,
     /// The current run.
     run: Option<M::Run>,
@@ -116,8 +115,8 @@ impl<M: Method> Calibrate<M> {
     /// Creates the settings page for the screen that `known` describes.
     pub fn new(method: M, known: DisplayProfile, channels: [bool; 2]) -> Self {
         let path = format!("calibration/{}.csv", M::ITEMS);
-        let (file, file_error, dialog, error) = Default::default();
-        Self { known, method, path, channels, file, file_error, dialog, error, run: None, found: None }
+        let (file, file_error, error) = Default::default();
+        Self { known, method, path, channels, file, file_error, error, run: None, found: None }
     }
 
     /// Draws the settings. `viewing` is `None` if the viewing distance or the screen's width is unknown.
@@ -186,7 +185,7 @@ impl<M: Method> Calibrate<M> {
         hint(ui, M::FORMAT);
         let (label, browse) = (format!("File of {}", M::ITEMS), (FileKind::Data, "Choose a file…"));
         let field = Field::new(&label).column(LABELS).error(&self.file_error);
-        let (field, chosen) = field.path(ui, &mut self.file, &mut self.dialog, browse);
+        let (field, chosen) = field.path(ui, &mut self.file, browse);
         if chosen || field.changed() {
             self.file_error.clear();
         }
@@ -248,14 +247,14 @@ impl<M: Method> Calibrate<M> {
 }
 
 impl<M: Method> Tool for Calibrate<M> {
-    fn show(&mut self, ui: &mut Ui, monitor: &Monitor, fields: &mut ScreenFields) -> Step<PathBuf> {
+    fn show(&mut self, ui: &mut Ui, _: &Monitor, viewing: Option<&Viewing>) -> Step<PathBuf> {
         if self.found.is_some() {
             self.show_findings(ui)
         } else if self.run.is_some() {
             self.show_run(ui);
             Step::Stay
         } else {
-            Step::back_if(self.set_up(ui, fields.viewing(monitor).ok().as_ref()))
+            Step::back_if(self.set_up(ui, viewing))
         }
     }
 
@@ -281,7 +280,6 @@ struct ProfileForm {
     name: String,
     by: String,
     with: String,
-    path: String,
     saving: Saving,
 }
 
@@ -289,8 +287,7 @@ impl ProfileForm {
     fn new(known: &DisplayProfile, with: String) -> Self {
         let name = if known.measured.is_some() { known.name.clone() } else { "My screen".to_owned() };
         let by = known.measured.clone().and_then(|measured| measured.by).unwrap_or_default();
-        let path = "calibration/screen.toml".to_owned();
-        Self { name, by, with, path, saving: Saving::default() }
+        Self { name, by, with, saving: Saving::to("calibration/screen.toml") }
     }
 
     /// Draws the fields and the button; returns the path of the profile once it is written.
@@ -300,15 +297,15 @@ impl ProfileForm {
             ("Name of the screen", &mut self.name),
             ("Measured by", &mut self.by),
             ("Measured with", &mut self.with),
-            ("Save as", &mut self.path),
+            ("Save as", &mut self.saving.typed),
         ] {
             Field::new(label).column(LABELS).width(340.0).text(ui, value);
         }
-        let usable = !self.path.trim().is_empty() && !self.name.trim().is_empty();
-        let path = PathBuf::from(self.path.trim());
-        let caption = self.saving.caption("Save the profile", &path);
+        let path = self.saving.path();
+        let usable = !path.as_os_str().is_empty() && !self.name.trim().is_empty();
+        let caption = self.saving.caption("Save the profile");
         if neutral_primary(ui, caption, usable, "The program then uses this profile.") {
-            let writer = self.saving.writer(&path, &[]);
+            let writer = self.saving.writer(&[]);
             match write(&writer, &path, &self.filled(found)) {
                 Ok(()) => return Some(path),
                 Err(error) => self.saving.finish(&path, Err(error)),

@@ -7,9 +7,9 @@ use eframe::egui::{self, TextureHandle};
 
 use super::tool::Tool;
 use crate::{
-    app::ui::{Monitor, ScreenFields, Step, hint, paragraph, pixels, secondary, signed, tool_page, work::Kept},
+    app::ui::{Monitor, Step, hint, paragraph, pixels, secondary, signed, tool_page, work::Kept},
     display::{
-        Channel, DisplayProfile,
+        Channel, DisplayProfile, Viewing,
         matching::{CHECKED, Rows},
     },
 };
@@ -56,7 +56,7 @@ fn made(ctx: &egui::Context, profile: &DisplayProfile, row_px: u32) -> [(Channel
 }
 
 impl Tool for CheckPage {
-    fn show(&mut self, ui: &mut egui::Ui, _: &Monitor, _: &mut ScreenFields) -> Step<PathBuf> {
+    fn show(&mut self, ui: &mut egui::Ui, _: &Monitor, _: Option<&Viewing>) -> Step<PathBuf> {
         let row_px = if self.pairs { 2 } else { 1 };
         let made = self.made.get(row_px, || made(ui.ctx(), &self.profile, row_px));
         Step::back_if(tool_page(ui, "Check the gamma", |ui| {

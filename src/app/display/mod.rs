@@ -2,8 +2,8 @@
 //!
 //! | file | contents |
 //! |---|---|
-//! | [`tools`], [`tool`] | the profile in use and the list of tools; what tools have in common |
-//! | [`geometry`], [`card`] | size and distance; measuring with a bank card |
+//! | [`tools`], [`tool`] | what is known about the screen, and the list of tools; what tools have in common |
+//! | [`card`] | measuring the screen with a bank card |
 //! | [`calibrate`] | the stages that both ways to measure light share |
 //! | [`photometer`], [`patch_run`] | calibration with a photometer: settings and findings; the patches |
 //! | [`sizes`] | whether the luminance depends on the size of a patch |
@@ -16,7 +16,6 @@ mod by_eye;
 mod calibrate;
 mod card;
 mod check;
-mod geometry;
 mod match_run;
 mod patch_run;
 mod photometer;

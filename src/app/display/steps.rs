@@ -8,10 +8,10 @@ use super::{calibrate::LABELS, tool::Tool};
 use crate::{
     app::{
         analysis::TableView,
-        ui::{Field, Monitor, ScreenFields, Step as PageStep, hint, number, pixels, show_error, tool_page},
+        ui::{Field, Monitor, Step as PageStep, hint, number, pixels, show_error, tool_page, work::Kept},
     },
     display::{
-        DisplayProfile,
+        DisplayProfile, Viewing,
         profile::{Step, short, steps},
     },
     light::{CodeImage, Samples},
@@ -29,8 +29,8 @@ pub struct StepsPage {
     profile: DisplayProfile,
     number: String,
     i0: String,
-    /// The steps and the width that are shown, with their wedge and table.
-    shown: Option<(Vec<Step>, u32, TextureHandle, TableView)>,
+    /// The wedge and the table, by the steps and the width that are shown.
+    shown: Kept<(Vec<Step>, u32), (TextureHandle, TableView)>,
 }
 
 impl StepsPage {
@@ -39,7 +39,7 @@ impl StepsPage {
         let measured = profile.luminance.map(|range| range.lowest_intensity()).filter(|i0| *i0 > 0.0);
         let i0 = format!("{:.6}", measured.unwrap_or(ASSUMED_I0));
         let i0 = i0.trim_end_matches('0').to_owned();
-        Self { profile, number: "12".to_owned(), i0, shown: None }
+        Self { profile, number: "12".to_owned(), i0, shown: Kept::default() }
     }
 
     fn steps(&self) -> Result<Vec<Step>, String> {
@@ -54,19 +54,17 @@ impl StepsPage {
         let room = (ui.available_width() * ui.ctx().pixels_per_point()).floor().max(1.0) as u32;
         // All bars have the same whole number of pixels.
         let width = (room / steps.len() as u32).max(1) * steps.len() as u32;
-        if self.shown.as_ref().is_none_or(|(shown, at, ..)| shown != steps || *at != width) {
+        let (texture, table) = self.shown.get((steps.to_vec(), width), || {
             let texture = pixels::texture(ui.ctx(), "wedge", &wedge(steps, width, HEIGHT_PX));
-            self.shown = Some((steps.to_vec(), width, texture, TableView::new(table(steps))));
-        }
-        if let Some((_, _, texture, table)) = &mut self.shown {
-            pixels::picture(ui, texture, &format!("A wedge of {} uniform bars, dark to light", steps.len()));
-            table.show(ui, 0);
-        }
+            (texture, TableView::new(table(steps)))
+        });
+        pixels::picture(ui, texture, &format!("A wedge of {} uniform bars, dark to light", steps.len()));
+        table.show(ui, 0);
     }
 }
 
 impl Tool for StepsPage {
-    fn show(&mut self, ui: &mut egui::Ui, _: &Monitor, _: &mut ScreenFields) -> PageStep<PathBuf> {
+    fn show(&mut self, ui: &mut egui::Ui, _: &Monitor, _: Option<&Viewing>) -> PageStep<PathBuf> {
         let back = tool_page(ui, "Steps of equal brightness", |ui| {
             ui.label("Equal steps of light look larger at dark levels than at bright levels; equal ratios look equal.");
             hint(ui, format!("{}.", self.profile.sentence()));

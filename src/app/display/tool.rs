@@ -5,15 +5,15 @@ use std::path::PathBuf;
 use eframe::egui::{Color32, Context, Ui};
 
 use crate::{
-    app::ui::{Monitor, ScreenFields, Step},
-    display::DisplayProfile,
+    app::ui::{Monitor, Step},
+    display::{DisplayProfile, Viewing},
 };
 
 /// A page that measures or checks the screen.
 pub trait Tool {
-    /// Draws the page. `fields` are the start page's fields about the screen, which can also be set here. `Next` leaves
-    /// the page with the path of a profile that was written.
-    fn show(&mut self, ui: &mut Ui, monitor: &Monitor, fields: &mut ScreenFields) -> Step<PathBuf>;
+    /// Draws the page. `viewing` is the geometry of the screen, if it is known. `Next` leaves the page with the path of a
+    /// profile that was written.
+    fn show(&mut self, ui: &mut Ui, monitor: &Monitor, viewing: Option<&Viewing>) -> Step<PathBuf>;
 
     /// Returns the background color while the screen is measured, which then shows nothing else; `None` for a page.
     fn ground(&self) -> Option<Color32> {

@@ -1,14 +1,24 @@
-//! The current profile and the list of tools.
+//! What is known about the screen, and the list of tools.
 
 use eframe::egui::{self, Color32, RichText};
 
 use super::{
-    by_eye::ByEye, calibrate::Calibrate, check::CheckPage, geometry::GeometryPage, photometer::Photometer,
-    sizes::SizeTest, steps::StepsPage, timing::TimingTool, tool::Tool,
+    by_eye::ByEye,
+    calibrate::{Calibrate, LABELS},
+    card::CardHelper,
+    check::CheckPage,
+    photometer::Photometer,
+    sizes::SizeTest,
+    steps::StepsPage,
+    timing::TimingTool,
+    tool::Tool,
 };
 use crate::{
-    app::ui::{Dialog, Field, FileKind, Monitor, ScreenFields, Step, full, hint, note, say, text, today, tool_page},
-    display::DisplayProfile,
+    app::ui::{
+        Field, FileKind, Monitor, ScreenFields, Step, hint, note, platform::Platform, say, text, theme::ink, today,
+        tool_page,
+    },
+    display::{DisplayProfile, Viewing, geometry::distance_cm},
 };
 
 #[derive(Default)]
@@ -18,7 +28,9 @@ pub struct Display {
     tools: [Option<Box<dyn Tool>>; TOOLS.len()],
     /// The place of the tool that is open.
     open: Option<usize>,
-    dialog: Dialog,
+    /// The width in cm that the screen reports, if any; `None` until it is queried.
+    reported_cm: Option<Option<f64>>,
+    card: Option<CardHelper>,
 }
 
 impl Display {
@@ -47,9 +59,9 @@ impl Display {
         window_deg: f64,
     ) -> Step<()> {
         let Some(tool) = self.open.and_then(|open| self.tools[open].as_mut()) else {
-            return Step::back_if(self.list(ui, fields, found, window_deg));
+            return Step::back_if(self.list(ui, monitor, fields, found, window_deg));
         };
-        let step = tool.show(ui, monitor, fields);
+        let step = tool.show(ui, monitor, fields.viewing(monitor).ok().as_ref());
         if step == Step::Stay {
             return Step::Stay;
         }
@@ -64,6 +76,7 @@ impl Display {
     fn list(
         &mut self,
         ui: &mut egui::Ui,
+        monitor: &Monitor,
         fields: &mut ScreenFields,
         found: Result<&DisplayProfile, &str>,
         window_deg: f64,
@@ -75,7 +88,8 @@ impl Display {
                     each code.",
             );
             ui.add_space(8.0);
-            self.profile_field(ui, fields, found);
+            Self::profile_field(ui, fields, found);
+            self.size_fields(ui, monitor, fields, window_deg);
             ui.add_space(8.0);
             for (place, (name, what, _)) in TOOLS.iter().enumerate() {
                 ui.add_space(4.0);
@@ -86,10 +100,11 @@ impl Display {
                 hint(ui, *what);
             }
         });
+        CardHelper::measure(&mut self.card, ui.ctx(), fields, monitor);
         if let Some(place) = chosen {
             let (profile, (.., make)) = (found.cloned().unwrap_or_default(), TOOLS[place]);
             if !self.tools[place].as_mut().is_some_and(|tool| tool.reopen(&profile)) {
-                self.tools[place] = Some(make(profile, window_deg));
+                self.tools[place] = Some(make(profile));
             }
             self.open = Some(place);
             ui.ctx().request_repaint();
@@ -97,10 +112,10 @@ impl Display {
         back
     }
 
-    fn profile_field(&mut self, ui: &mut egui::Ui, fields: &mut ScreenFields, found: Result<&DisplayProfile, &str>) {
+    fn profile_field(ui: &mut egui::Ui, fields: &mut ScreenFields, found: Result<&DisplayProfile, &str>) {
         let browse = (FileKind::Toml, "Choose a profile…");
-        let field = Field::new("Profile in use").hint("sRGB, assumed").width(300.0);
-        field.path(ui, &mut fields.profile, &mut self.dialog, browse);
+        let field = Field::new("Profile in use").column(LABELS).hint("sRGB, assumed").width(300.0);
+        field.path(ui, &mut fields.profile, browse);
         match found {
             Ok(profile) => {
                 hint(ui, format!("{}.", profile.sentence()));
@@ -109,49 +124,81 @@ impl Display {
             Err(errors) => text::errors(ui, errors),
         }
     }
+
+    /// Draws the width of the screen and the distance from which it is seen, and says how large that makes a degree.
+    fn size_fields(&mut self, ui: &mut egui::Ui, monitor: &Monitor, fields: &mut ScreenFields, window_deg: f64) {
+        let reported_cm = *self.reported_cm.get_or_insert_with(|| Platform::of(monitor).width_cm);
+        Field::new("Screen width, cm").column(LABELS).show(ui, |ui, label| {
+            ui.horizontal_wrapped(|ui| {
+                CardHelper::field(&mut self.card, ui, label, fields, monitor);
+                let Some(reported) = reported_cm.map(|cm| format!("{cm:.1}")) else { return };
+                let button = ui.button(format!("The screen reports {reported}"));
+                let button = button.on_hover_text("Some screens report an incorrect width; check it with a card.");
+                if button.clicked() {
+                    fields.screen_width_cm = reported;
+                }
+            });
+        });
+        Field::new("Viewing distance, cm").column(LABELS).width(90.0).text(ui, &mut fields.distance_cm);
+        // What the fields say has the same room, whatever it is.
+        let ink = ink(ui);
+        let (told, color) = match fields.viewing(monitor) {
+            Ok(viewing) if fields.width_is_assumed() => {
+                (format!("{}. {}", monitor.assumption(), size_sentence(&viewing, window_deg)), ink.warn)
+            }
+            Ok(viewing) => (size_sentence(&viewing, window_deg), ink.dim),
+            Err(error) => (error, ink.bad),
+        };
+        text::two_lines(ui, &told, color, 3);
+    }
 }
 
-/// A tool's name, a description of it, and a function that opens it for a screen with this profile and a stimulus with
-/// this side in degrees.
-type Entry = (&'static str, &'static str, fn(DisplayProfile, f64) -> Box<dyn Tool>);
+/// Says how large a degree is, and whether the planned stimulus, whose side has `window_deg` degrees, fits the screen.
+fn size_sentence(viewing: &Viewing, window_deg: f64) -> String {
+    let (screen, per_degree) = (viewing.screen(), viewing.px_per_degree());
+    let wanted = viewing.px_from_deg(window_deg);
+    let degree = format!("One degree is {per_degree:.1} pixels, or {:.2} cm.", per_degree / screen.px_per_cm());
+    let fits = if wanted <= f64::from(screen.width_px.min(screen.height_px)) {
+        "fits".to_owned()
+    } else {
+        let most = distance_cm(window_deg, screen.width_cm.min(screen.height_cm())).floor();
+        format!("fits only at a viewing distance of {most} cm or less")
+    };
+    format!("{degree} The {window_deg}° stimulus of the chosen study has {wanted:.0} × {wanted:.0} pixels and {fits}.")
+}
+
+/// A tool's name, a description of it, and a function that opens it for a screen with this profile.
+type Entry = (&'static str, &'static str, fn(DisplayProfile) -> Box<dyn Tool>);
 
 /// All tools, in the order in which a new screen needs them.
 const TOOLS: &[Entry] = &[
     (
-        "Size and distance",
-        "Enter the screen's width or measure it with a bank card; see the size of one degree and whether the stimulus \
-            fits.",
-        |_, window_deg| Box::new(GeometryPage::new(window_deg)),
-    ),
-    (
         "Photometer",
         "Measure the luminance of every level: point a photometer at patches, or load readings from a file.",
-        |profile, _| Box::new(Calibrate::new(Photometer::default(), profile, [true, true])),
+        |profile| Box::new(Calibrate::new(Photometer::default(), profile, [true, true])),
     ),
     (
         "Patch size",
         "Find out with a photometer whether the screen dims large bright areas, as OLED screens do.",
-        |profile, _| Box::new(Calibrate::new(SizeTest { settle_s: 2.0 }, profile, [false, true])),
+        |profile| Box::new(Calibrate::new(SizeTest { settle_s: 2.0 }, profile, [false, true])),
     ),
     (
         "Gamma by eye",
         "No photometer needed: match a square to a field of rows in each channel. This takes about five minutes.",
-        |profile, _| Box::new(Calibrate::new(ByEye::default(), profile, [true, false])),
+        |profile| Box::new(Calibrate::new(ByEye::default(), profile, [true, false])),
     ),
     (
         "Check the gamma",
         "View squares in fields of rows. If the profile is correct, the squares vanish; a visible border means that it \
             is wrong.",
-        |profile, _| Box::new(CheckPage::new(profile)),
+        |profile| Box::new(CheckPage::new(profile)),
     ),
     (
         "Steps of equal brightness",
         "Levels that look evenly spaced, from the screen's black to its white, as a table and a wedge.",
-        |profile, _| Box::new(StepsPage::new(profile)),
+        |profile| Box::new(StepsPage::new(profile)),
     ),
-    (
-        "Timing",
-        "Find out whether every refresh shows a new frame: intervals, dropped frames, and a patch for a photodiode.",
-        |_, _| Box::new(TimingTool::default()),
-    ),
+    ("Timing", "Find out whether every refresh shows a new frame: intervals and dropped frames.", |_| {
+        Box::new(TimingTool::default())
+    }),
 ];

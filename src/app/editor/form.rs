@@ -8,7 +8,7 @@ use std::{
 use eframe::egui::{Align, ComboBox, Id, Layout, Response, TextEdit, Ui};
 
 use crate::{
-    app::ui::{self, Dialog, Field, parameter, theme::Icon},
+    app::ui::{self, Field, parameter, theme::Icon},
     experiment::Protocol,
     report::names::{self, capitalized},
     stimulus::{Parameter, Stimulus, picture::Picture},
@@ -51,8 +51,6 @@ pub struct DefinitionForm {
     pub shown: BTreeSet<usize>,
     /// The labels of the fields, by their keys.
     labels: BTreeMap<String, String>,
-    /// The dialog that chooses a folder of pictures.
-    pub pictures: Dialog,
     /// The answer that was just added, whose label gets the focus.
     pub added: Option<usize>,
 }
@@ -217,8 +215,16 @@ impl DefinitionForm {
 
     /// Draws a text field for a value, with its errors. `about` explains it.
     pub fn text(&mut self, ui: &mut Ui, label: &str, key: &str, default: &str, about: &str) {
-        let width = (ui.available_width() - LABELS - 40.0).clamp(120.0, 420.0);
+        let width = room(ui);
         self.field([label, key, default, about], Typed::Text, None, |field, text| field.width(width).text(ui, text));
+    }
+
+    /// Draws a field for text below another field, with its errors; an empty one is removed. `name` is for screen readers.
+    pub fn line(&mut self, ui: &mut Ui, name: &str, key: &str, typed: Typed, hint: &str) {
+        let width = room(ui);
+        self.field(["", key, "", hint], typed, Some(key), |field, text| {
+            field.named(name).width(width).hint(hint).text(ui, text)
+        });
     }
 
     /// Draws a field for text that may have several lines, with its errors.
@@ -256,7 +262,7 @@ impl DefinitionForm {
     /// Draws a field for a list of numbers, with its errors; a long list wraps. An empty one is removed; `absent` says
     /// what that means.
     pub fn list(&mut self, ui: &mut Ui, label: &str, key: &str, [default, absent]: [&str; 2], about: &str) {
-        let width = (ui.available_width() - LABELS - 40.0).clamp(120.0, 420.0);
+        let width = room(ui);
         self.field([label, key, default, about], Typed::Values, Some(key), |field, text| {
             let edit = TextEdit::multiline(text).id_salt(("field", label)).desired_rows(1).hint_text(absent);
             field.add(ui, edit.desired_width(width).return_key(None))
@@ -316,7 +322,9 @@ impl DefinitionForm {
         owner: Option<&str>,
         draw: impl FnOnce(Field<'_>, &mut String) -> Response,
     ) {
-        self.name(key, label);
+        if !label.is_empty() {
+            self.name(key, label);
+        }
         let mut text = self.value(key, default);
         let response = draw(Field::new(label).column(LABELS).slot().error(&self.error(key)), &mut text);
         if !response.on_hover_text(about).changed() {
@@ -327,6 +335,11 @@ impl DefinitionForm {
             self.type_value(key, &text, typed);
         }
     }
+}
+
+/// Returns the width of a field for text, points.
+fn room(ui: &Ui) -> f32 {
+    (ui.available_width() - LABELS - 40.0).clamp(120.0, 420.0)
 }
 
 /// Draws a list from which something is added, which `title` says; returns what was chosen.

@@ -10,7 +10,7 @@ use super::{
     sections,
 };
 use crate::{
-    app::ui::{self, Dialog, Field, FileKind, History, Step, fonts::TextFonts, theme},
+    app::ui::{self, Field, FileKind, History, Step, fonts::TextFonts, theme},
     report::document::numbers::count,
     store::{FileErrors, definition},
 };
@@ -48,7 +48,6 @@ pub struct Editor {
     history: History<String>,
     /// The folder for the new file.
     folder: String,
-    dialog: Dialog,
     /// Why the definition could not be saved; empty if it could.
     error: String,
     preview: Preview,
@@ -194,7 +193,7 @@ impl Editor {
         if self.sessions.is_none() {
             let field = Field::new("Folder").column(FOLDER).width((ui.available_width() - 200.0).clamp(120.0, 420.0));
             let browse = (FileKind::Folder, "Choose the folder…");
-            let (field, _) = field.path(ui, &mut self.folder, &mut self.dialog, browse);
+            let (field, _) = field.path(ui, &mut self.folder, browse);
             field.on_hover_text("The folder for the new file.");
             self.form.set_folder(&ui::full(Path::new(self.folder.trim())));
         }

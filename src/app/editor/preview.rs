@@ -8,7 +8,7 @@ use crate::{
         own_plot::OwnPlot,
         pixels::{self, Drawn},
         theme::{self, GAP},
-        work::Latest,
+        work::{Kept, Latest},
     },
     experiment::{
         Category, Condition, Course, Factor, Identity, Phase, Protocol,
@@ -38,9 +38,8 @@ const STRIP: f32 = 48.0;
 
 #[derive(Default)]
 pub struct Preview {
-    /// The revision of the form to which the trial belongs.
-    of: Option<u64>,
-    trial: Option<Presentation>,
+    /// The trial, by the revision of the form.
+    trial: Kept<u64, Option<Presentation>>,
     drawn: Drawn<(Vec<Stimulus>, u32)>,
     /// The plot of a simulated observer's answers to each definition; `None` if there is nothing to plot.
     plot: Latest<Protocol, Option<OwnPlot>>,
@@ -65,10 +64,7 @@ impl Preview {
         let room = vec2(ROOM.x.min(ui.available_width()), ROOM.y);
         let side = ((room.x - GAP) / columns as f32).min((room.y - CAPTION) / rows as f32) - GAP;
         let side = side.clamp(16.0, SIDE);
-        if self.of != Some(revision) {
-            (self.of, self.trial) = (Some(revision), first_trial(protocol));
-        }
-        let Some(trial) = &self.trial else { return };
+        let Some(trial) = self.trial.get(revision, || first_trial(protocol)) else { return };
         let px = (side * ui.ctx().pixels_per_point()).round() as u32;
         let drawn = self.drawn.get(ui.ctx(), (trial.stimuli.clone(), px), px, || trial.stimuli.clone());
         ui::section(ui, format!("One trial{when}"));
@@ -137,10 +133,8 @@ fn first_trial(protocol: &Protocol) -> Option<Presentation> {
 
 #[derive(Default)]
 pub struct Thumbnails {
-    /// The revision of the form.
-    of: Option<u64>,
-    all: Vec<Thumbnail>,
-    conditions: usize,
+    /// The number of conditions and those that are shown, by the revision of the form.
+    listed: Kept<u64, (usize, Vec<Thumbnail>)>,
     drawn: Drawn<(Vec<Stimulus>, u32)>,
 }
 
@@ -155,15 +149,14 @@ struct Thumbnail {
 impl Thumbnails {
     /// Draws the number of conditions, followed by `when`, and their stimuli.
     pub fn show(&mut self, ui: &mut Ui, protocol: &Protocol, revision: u64, when: &str) {
-        self.update(ui, protocol, revision, THUMBNAIL, MAX_THUMBNAILS);
-        let n = self.conditions;
-        ui::section(ui, count(n as u64, "condition") + when);
-        if n > self.all.len() {
-            ui::hint(ui, format!("{} of them are shown, from all parts of the design.", self.all.len()));
+        let (n, all) = self.update(ui, protocol, revision, THUMBNAIL, MAX_THUMBNAILS);
+        ui::section(ui, count(*n as u64, "condition") + when);
+        if *n > all.len() {
+            ui::hint(ui, format!("{} of them are shown, from all parts of the design.", all.len()));
         }
         let gap = ui.spacing().item_spacing.x;
         let per_row = ((ui.available_width() + gap) / (THUMBNAIL + gap)).max(1.0) as usize;
-        for row in self.all.chunks(per_row) {
+        for row in all.chunks(per_row) {
             ui.horizontal_top(|ui| row.iter().for_each(|thumbnail| thumbnail.show(ui)));
         }
     }
@@ -173,43 +166,48 @@ impl Thumbnails {
         let key = (&protocol.name, &protocol.stimulus, &protocol.factors);
         let revision = Id::unique(format!("{key:?}")).value();
         let shown = ((ui.available_width() + GAP) / (STRIP + GAP)).max(1.0) as usize;
-        self.update(ui, protocol, revision, STRIP, shown);
-        ui.horizontal(|ui| self.all.iter().for_each(|thumbnail| thumbnail.picture(ui, STRIP)));
+        let (_, all) = self.update(ui, protocol, revision, STRIP, shown);
+        ui.horizontal(|ui| all.iter().for_each(|thumbnail| thumbnail.picture(ui, STRIP)));
     }
 
     /// Lists up to `most` conditions, from all parts of the design, if the revision is another one, and draws their
     /// pictures with this side, points. Until they are ready, those of the same stimuli stay.
-    fn update(&mut self, ui: &Ui, protocol: &Protocol, revision: u64, side: f32, most: usize) {
-        if self.of.replace(revision) != Some(revision) {
-            self.list(protocol, most);
-        }
+    fn update(
+        &mut self,
+        ui: &Ui,
+        protocol: &Protocol,
+        revision: u64,
+        side: f32,
+        most: usize,
+    ) -> &(usize, Vec<Thumbnail>) {
+        let listed = self.listed.get(revision, || thumbnails(protocol, most));
         let px = (side * ui.ctx().pixels_per_point()).round() as u32;
-        let stimuli: Vec<Stimulus> = self.all.iter().map(|thumbnail| thumbnail.stimulus.clone()).collect();
+        let stimuli: Vec<Stimulus> = listed.1.iter().map(|thumbnail| thumbnail.stimulus.clone()).collect();
         let drawn = self.drawn.get(ui.ctx(), (stimuli.clone(), px), px, || stimuli);
         let drawn = drawn.into_iter().flat_map(|((stimuli, _), textures)| stimuli.iter().zip(textures));
-        self.all.iter_mut().for_each(|thumbnail| thumbnail.texture = None);
-        for (thumbnail, (stimulus, texture)) in self.all.iter_mut().zip(drawn) {
+        listed.1.iter_mut().for_each(|thumbnail| thumbnail.texture = None);
+        for (thumbnail, (stimulus, texture)) in listed.1.iter_mut().zip(drawn) {
             thumbnail.texture = Some(texture.clone()).filter(|_| thumbnail.stimulus == *stimulus);
         }
+        listed
     }
+}
 
-    fn list(&mut self, protocol: &Protocol, most: usize) {
-        let conditions = protocol.conditions();
-        self.conditions = conditions.len();
-        let known = Some(protocol.stimulus.parameters());
-        let names: Vec<String> = protocol.factors.iter().map(|factor| names::factor(known, &factor.name)).collect();
-        let thumbnail = |condition: &Condition| {
-            let level = |(factor, index): (&Factor, &usize)| {
-                names::level(known, &factor.name, &factor.levels[*index].to_string()).to_string()
-            };
-            let levels: Vec<String> = protocol.factors.iter().zip(&condition.levels).map(level).collect();
-            let described: Vec<String> =
-                names.iter().zip(&levels).map(|(name, level)| format!("{name} {level}")).collect();
-            Thumbnail { texture: None, description: described.join("; "), levels, stimulus: condition.stimulus.clone() }
+/// Returns the number of conditions, and up to `most` of them.
+fn thumbnails(protocol: &Protocol, most: usize) -> (usize, Vec<Thumbnail>) {
+    let conditions = protocol.conditions();
+    let known = Some(protocol.stimulus.parameters());
+    let names: Vec<String> = protocol.factors.iter().map(|factor| names::factor(known, &factor.name)).collect();
+    let thumbnail = |condition: &Condition| {
+        let level = |(factor, index): (&Factor, &usize)| {
+            names::level(known, &factor.name, &factor.levels[*index].to_string()).to_string()
         };
-        let step = conditions.len().div_ceil(most).max(1);
-        self.all = conditions.iter().step_by(step).map(thumbnail).collect();
-    }
+        let levels: Vec<String> = protocol.factors.iter().zip(&condition.levels).map(level).collect();
+        let described: Vec<String> = names.iter().zip(&levels).map(|(name, level)| format!("{name} {level}")).collect();
+        Thumbnail { texture: None, description: described.join("; "), levels, stimulus: condition.stimulus.clone() }
+    };
+    let step = conditions.len().div_ceil(most).max(1);
+    (conditions.len(), conditions.iter().step_by(step).map(thumbnail).collect())
 }
 
 impl Thumbnail {

@@ -99,7 +99,7 @@ fn pictures(form: &mut DefinitionForm, ui: &mut Ui) {
     form.text(ui, "Files", "stimulus.files", "", about);
     Field::new("").column(LABELS).show(ui, |ui, _| {
         let mut folder = String::new();
-        if form.pictures.browse(ui, FileKind::Folder, "Choose a folder of pictures…", &mut folder) {
+        if ui::browse(ui, FileKind::Folder, "Choose a folder of pictures…", &mut folder) {
             let beside = Path::new(&folder).strip_prefix(&form.draft.folder).unwrap_or(Path::new(&folder));
             form.type_value("stimulus.files", &beside.join("*.png").display().to_string(), Typed::Text);
         }
@@ -209,7 +209,7 @@ fn question(form: &mut DefinitionForm, ui: &mut Ui, names: &[String], place: usi
     let mut typed = before.clone();
     let is_free = |typed: &str| !typed.is_empty() && !is_known(typed) && !names.iter().any(|other| other == typed);
     let taken = if typed == *name || is_free(&typed) { "" } else { "Enter a name that no other question has." };
-    let error = [form.error(&key).as_str(), taken].join("\n");
+    let error = [form.own_error(&key).as_str(), taken].join("\n");
     let removed = Field::new(&shown).column(LABELS).slot().error(error.trim()).show(ui, |ui, _| {
         ui.horizontal_wrapped(|ui| {
             if own {
@@ -234,11 +234,11 @@ fn question(form: &mut DefinitionForm, ui: &mut Ui, names: &[String], place: usi
         form.lines(ui, "", &format!("{key}.text"), "", "The text to agree to.");
     } else {
         let label = if own { "What the participant reads".to_owned() } else { asked.label() };
-        line(form, ui, &format!("Label of {shown}"), &format!("{key}.label"), Typed::Text, &label);
+        form.line(ui, &format!("Label of {shown}"), &format!("{key}.label"), Typed::Text, &label);
         let choices = asked.choices();
         if !choices.is_empty() {
             let usual = if own { "left, right, unknown".to_owned() } else { choices.join(", ") };
-            line(form, ui, &format!("Answers of {shown}"), &format!("{key}.choices"), Typed::Values, &usual);
+            form.line(ui, &format!("Answers of {shown}"), &format!("{key}.choices"), Typed::Values, &usual);
         }
     }
     if kind != kind_before {
@@ -259,20 +259,6 @@ fn question(form: &mut DefinitionForm, ui: &mut Ui, names: &[String], place: usi
     } else if typed != before && is_free(&typed) {
         // Only after its other fields are drawn, so that nothing shifts.
         form.rebuild(|draft| draft.rename("participant", name, &typed));
-    }
-}
-
-/// Draws a field for text of a question, which is removed when it is empty.
-fn line(form: &mut DefinitionForm, ui: &mut Ui, name: &str, key: &str, typed: Typed, hint: &str) {
-    let before = form.value(key, "");
-    let mut text = before.clone();
-    let width = (ui.available_width() - LABELS - 40.0).clamp(120.0, 420.0);
-    Field::new("").column(LABELS).named(name).width(width).hint(hint).slot().text(ui, &mut text);
-    if text == before {
-    } else if text.trim().is_empty() {
-        form.rebuild(|draft| draft.remove(key));
-    } else {
-        form.type_value(key, &text, typed);
     }
 }
 

@@ -1,8 +1,6 @@
 //! The gallery: every stimulus of the catalog with its parameters, its luminance profile, what the vision model predicts
 //! for it, and ways to export it. The bands of a ramp are marked along its profile; all else is numbers.
 
-use std::path::Path;
-
 use eframe::egui::{self, Color32, ScrollArea, TextureHandle, Ui};
 use egui_plot::{GridMark, Line, MarkerShape, PlotUi, Points};
 
@@ -13,7 +11,7 @@ use crate::{
         theme,
         work::Latest,
     },
-    display::{DisplayProfile, LuminanceRange, Screen, Viewing},
+    display::{DisplayProfile, LuminanceRange, Viewing},
     light::{Bits, Dither, Quantizer},
     stimulus::{
         Parameter, ParameterError, ParameterValue, Stimulus, ViewingConditions, Visible, catalog, place, recipe::Recipe,
@@ -53,10 +51,10 @@ pub struct Gallery {
     faults: Faults,
     history: History<Choices>,
     shown: Option<Shown>,
-    out: String,
     saving: Saving,
     display: DisplayProfile,
-    place: ViewingPlace,
+    /// The geometry of the screen, if it is known.
+    viewing: Option<Viewing>,
     predicted: Latest<Key, Predicted>,
     /// The pictures of all kinds, by their side in pixels.
     tiles: Drawn<u32>,
@@ -139,14 +137,13 @@ impl Default for Gallery {
     fn default() -> Self {
         let (settings, display) = (Choices::new(SIZES[0]), DisplayProfile::default());
         Self {
-            place: ViewingPlace::new(&display, None),
+            viewing: None,
             predicted: Latest::default(),
             history: History::new(settings.clone()),
             settings,
             faults: Faults::new(),
             shown: None,
-            out: "stimulus.png".to_owned(),
-            saving: Saving::default(),
+            saving: Saving::to("stimulus.png"),
             display,
             tiles: Drawn::default(),
         }
@@ -165,11 +162,11 @@ impl Gallery {
         self.history = History::new(self.settings.clone());
     }
 
-    /// Draws the page for a screen viewed from `distance_cm` centimeters, if that is known; returns whether the user left
+    /// Draws the page for a screen with this profile and this geometry, if that is known; returns whether the user left
     /// it.
-    pub fn show(&mut self, ui: &mut Ui, display: &DisplayProfile, distance_cm: Option<f64>) -> bool {
+    pub fn show(&mut self, ui: &mut Ui, display: &DisplayProfile, viewing: Option<Viewing>) -> bool {
         self.display.clone_from(display);
-        self.place = ViewingPlace::new(display, distance_cm);
+        self.viewing = viewing;
         let escaped = ui::escaped(ui);
         self.fit(ui);
         let stimulus = self.settings.stimulus();
@@ -203,7 +200,7 @@ impl Gallery {
             display_sha256: self.display.measured.is_some().then(|| store::profile::hash(&self.display)),
         };
         if self.settings.kind().has_bands {
-            let key = (stimulus.clone(), recipe.size, self.place);
+            let key = (stimulus.clone(), recipe.size, self.conditions(recipe.size));
             if !stimulus.is_line() {
                 self.predicted.want(ctx, key.clone(), || move || Predicted::of(&key));
             } else if self.predicted.get(&key).is_none() {
@@ -217,8 +214,18 @@ impl Gallery {
         let quantizer = recipe.quantizer();
         let texture = pixels::texture(ctx, "gallery", &recipe.codes(&quantizer));
         let curves = curves(&recipe, &quantizer);
-        self.saving = Saving::default();
+        self.saving.forget();
         self.shown = Some(Shown { recipe, texture, curves });
+    }
+
+    /// Returns how an image with this side is seen.
+    fn conditions(&self, size: u32) -> ViewingConditions {
+        let degrees = |viewing: Viewing| f64::from(size) / viewing.px_per_degree();
+        let mut seen = ViewingConditions::new(self.viewing.map_or(ViewingConditions::WINDOW_DEG, degrees));
+        if let Some(LuminanceRange { black_cd_m2, white_cd_m2 }) = self.display.luminance {
+            (seen.white_cd_m2, seen.black_cd_m2) = (white_cd_m2 - black_cd_m2, black_cd_m2);
+        }
+        seen
     }
 
     /// Draws all settings.
@@ -259,20 +266,16 @@ impl Gallery {
             false => self.faults.iter().for_each(|(_, error)| ui::show_error(ui, error)),
         }
         let field = Field::new("Export to").column(LABELS).width(ui.available_width() - LABELS - theme::GAP);
-        let field = field.text(ui, &mut self.out).on_hover_text(
+        self.saving.field(ui, field).on_hover_text(
             "The ending chooses the format: .png for the image, .csv for the light along its orientation.",
         );
-        if field.changed() {
-            self.saving = Saving::default();
-        }
         // What is shown is the stimulus before the errors.
         let is_shown = self.faults.is_empty();
         ui.horizontal_wrapped(|ui| {
             if !is_shown {
                 ui.disable();
             }
-            let path = Path::new(self.out.trim());
-            self.saving.export(ui, "Export", path, &["png", "csv"], |writer, ending| {
+            self.saving.export(ui, "Export", &["png", "csv"], |writer, path, ending| {
                 let (recipe, quantizer) = (&shown.recipe, shown.recipe.quantizer());
                 match ending {
                     "csv" => writer.write(path, &recipe.profile(&quantizer).csv()),
@@ -283,7 +286,7 @@ impl Gallery {
             if copy.on_hover_text("Copies the command that writes this image.").clicked() {
                 let command = work::stimulus::command(&shown.recipe);
                 ui.ctx().copy_text(command.clone());
-                self.saving.finish(path, Ok(format!("Copied: {command}")));
+                ui::say(ui.ctx(), format!("Copied: {command}"));
             }
         });
         self.saving.show(ui);
@@ -328,7 +331,8 @@ impl Gallery {
         let Some(shown) = &self.shown else { return };
         let Recipe { stimulus, size, .. } = &shown.recipe;
         let kind = self.settings.kind();
-        let predicted = self.predicted.get(&(stimulus.clone(), *size, self.place)).filter(|_| kind.has_bands);
+        let predicted = self.predicted.get(&(stimulus.clone(), *size, self.conditions(*size)));
+        let predicted = predicted.filter(|_| kind.has_bands);
         let room = ui.clip_rect().width();
         let side = *size as f32 / ui.ctx().pixels_per_point();
         let beside = room - AXIS - side - 2.0 * ui.spacing().item_spacing.x;
@@ -336,7 +340,7 @@ impl Gallery {
             ui.vertical(|ui| {
                 ui.set_width(width.min(theme::COLUMN));
                 match predicted {
-                    Some(Ok(predicted)) => predicted.show(ui, self.place.sentence(*size)),
+                    Some(Ok(predicted)) => predicted.show(ui, self.viewing),
                     Some(Err(error)) => ui::show_error(ui, format!("No prediction: {error}.")),
                     None if kind.has_bands => _ = ui.label("Predicting…"),
                     None => ui::paragraph(ui, "Nothing is predicted: this is not about Mach bands."),
@@ -438,44 +442,8 @@ fn curves(recipe: &Recipe, quantizer: &Quantizer) -> [Trace; 2] {
     [(0..SAMPLES).map(at).collect(), emitted.collect()]
 }
 
-/// The viewing distance and luminance of the stimulus.
-#[derive(Clone, Copy, PartialEq)]
-struct ViewingPlace {
-    viewing: Option<Viewing>,
-    /// With a window of the usual width.
-    usual: ViewingConditions,
-}
-
-impl ViewingPlace {
-    /// Creates the place for a screen described by `display`, viewed from `distance_cm` centimeters.
-    fn new(display: &DisplayProfile, distance_cm: Option<f64>) -> Self {
-        let viewing = || {
-            let ([columns, rows], width) = (display.native_px?, display.screen_width_cm?);
-            Viewing::new(Screen::new(columns, rows, width).ok()?, distance_cm?).ok()
-        };
-        let mut usual = ViewingConditions::new(ViewingConditions::WINDOW_DEG);
-        if let Some(LuminanceRange { black_cd_m2, white_cd_m2 }) = display.luminance {
-            (usual.white_cd_m2, usual.black_cd_m2) = (white_cd_m2 - black_cd_m2, black_cd_m2);
-        }
-        Self { viewing: viewing(), usual }
-    }
-
-    /// Returns the size in degrees of a window of `size` pixels.
-    fn window_deg(&self, size: u32) -> f64 {
-        self.viewing.map_or(self.usual.window_deg, |viewing| f64::from(size) / viewing.px_per_degree())
-    }
-
-    fn sentence(&self, size: u32) -> String {
-        let window = self.window_deg(size);
-        match self.viewing {
-            Some(viewing) => format!("At {} cm, the window is {window:.1}° wide.", viewing.distance_cm),
-            None => format!("The window is assumed to be {window}° wide."),
-        }
-    }
-}
-
-/// A stimulus, its side in pixels, and where it is seen.
-type Key = (Stimulus, u32, ViewingPlace);
+/// A stimulus, its side in pixels, and how it is seen.
+type Key = (Stimulus, u32, ViewingConditions);
 
 /// The prediction for a stimulus.
 struct Predicted {
@@ -483,26 +451,31 @@ struct Predicted {
     detection: f64,
     /// The bands of a ramp that people can see.
     marks: Vec<Mark>,
+    window_deg: f64,
 }
 
 impl Predicted {
-    fn of((stimulus, size, place): &Key) -> Result<Self, String> {
-        let window_deg = place.window_deg(*size);
-        let conditions = ViewingConditions { window_deg, ..place.usual };
+    fn of((stimulus, size, conditions): &Key) -> Result<Self, String> {
+        let window_deg = conditions.window_deg;
         let fail = |error: VisionError| error.to_string();
         let visible = conditions.visible(&[stimulus], Some(*size)).map_err(fail)?.remove(0);
         let marks = if let Visible::Ramp(bands) = &visible { marks(bands, window_deg) } else { Vec::new() };
-        Ok(Self { visible, detection: conditions.detection(stimulus).map_err(fail)?, marks })
+        Ok(Self { visible, detection: conditions.detection(stimulus).map_err(fail)?, marks, window_deg })
     }
 
     /// Draws the numbers, and says where they hold.
-    fn show(&self, ui: &mut Ui, place: String) {
+    fn show(&self, ui: &mut Ui, viewing: Option<Viewing>) {
         ui::paragraph(ui, sentence(&self.visible));
         let times = self.detection;
         ui::paragraph(
             ui,
             format!("The contrast of the whole picture is predicted to be {times:.1} times the threshold."),
         );
+        let window = self.window_deg;
+        let place = match viewing {
+            Some(viewing) => format!("At {} cm, the window is {window:.1}° wide.", viewing.distance_cm),
+            None => format!("The window is assumed to be {window}° wide."),
+        };
         ui::hint(ui, format!("At 1, people just see the difference. {place}"));
     }
 }

@@ -58,8 +58,7 @@ pub fn all(
     let name = monitor.name.as_ref().map_or_else(|| "(no name)".to_owned(), |name| format!("{name:?}"));
     let [width, height] = [monitor.width_px, monitor.height_px];
     let told_scale = format!("The system's scale is {scale}. Stimuli are still drawn in physical pixels.");
-    // The timing of the mode is exact, but the window system rounds it.
-    let reported = platform.refresh_hz.or(monitor.refresh_hz);
+    let reported = monitor.refresh_hz;
     let refresh = match reported {
         Some(hz) => format!("The system reports {hz:.3} Hz."),
         None => "The system does not report a refresh rate. The measured frame interval is used instead.".to_owned(),

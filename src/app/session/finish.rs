@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use eframe::egui::{self, Key};
 
 use crate::{
-    app::ui::{self, Dialog, Field, FileKind, Step, own_plot::OwnPlot, theme},
+    app::ui::{self, Field, FileKind, Step, own_plot::OwnPlot, theme},
     experiment::Protocol,
     system::{data_folder, make_private_folder},
 };
@@ -42,7 +42,10 @@ impl Finish {
             }
             ui.add_space(8.0);
             let own = self.plot.as_ref().filter(|_| self.complete && self.protocol.session.own_means);
-            own.into_iter().for_each(|plot| plot.show(ui));
+            if let Some(plot) = own {
+                ui.label(&plot.caption);
+                plot.draw(ui, 280.0);
+            }
             ui.add_space(8.0);
             if let Some(error) = &self.error {
                 let told = "The end of this sitting could not be recorded. Please call the experimenter.";
@@ -93,7 +96,6 @@ pub struct UnsavedAnswerPage {
     /// read. `None` if the user has no home folder.
     rescue: Option<PathBuf>,
     folder: String,
-    dialog: Dialog,
 }
 
 /// What the user chose to do about it.
@@ -109,7 +111,7 @@ impl UnsavedAnswerPage {
     pub fn new(what: String) -> Self {
         let rescue = data_folder().map(|folder| folder.join("rescued"));
         let folder = rescue.as_ref().map_or_else(String::new, |rescue| rescue.display().to_string());
-        Self { what, rescue, folder, dialog: Dialog::default() }
+        Self { what, rescue, folder }
     }
 
     pub fn show(&mut self, ui: &mut egui::Ui) -> Option<SaveChoice> {
@@ -127,7 +129,7 @@ impl UnsavedAnswerPage {
             }
             ui.add_space(12.0);
             let field = Field::new("Or save the entire session in another folder:").column(theme::COLUMN).width(380.0);
-            field.path(ui, &mut self.folder, &mut self.dialog, (FileKind::Folder, "Choose a folder…"));
+            field.path(ui, &mut self.folder, (FileKind::Folder, "Choose a folder…"));
             let usable = !self.folder.trim().is_empty();
             if ui.add_enabled(usable, egui::Button::new("Save there and continue")).clicked() {
                 let folder = PathBuf::from(self.folder.trim());

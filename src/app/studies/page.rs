@@ -21,7 +21,7 @@ use crate::{
         editor::Thumbnails,
         session::Request,
         ui::{
-            self, Dialog, Field, FileKind, Monitor, ScreenFields, Step, quiet,
+            self, Field, FileKind, Monitor, ScreenFields, Step, quiet,
             theme::{self, GAP, Icon, LARGE_GAP, MARGIN, NARROW, SECTION, WIDE},
         },
     },
@@ -84,9 +84,6 @@ pub struct Studies {
     /// The distance that the definition plans, as text.
     pub(super) planned_cm: String,
     pub(super) card: Option<CardHelper>,
-    pub(super) experiment: Dialog,
-    pub(super) profile: Dialog,
-    pub(super) results: Dialog,
     pub(super) list: StudyList,
     pub(super) sessions: Sessions,
     pub(super) selected: Option<Cell>,
@@ -316,7 +313,7 @@ impl Studies {
             ui.add_space(GAP);
             let field = Field::new("Definition").column(96.0).hint("path of a .toml file");
             let browse = (FileKind::Toml, "Choose a definition…");
-            let (field, browsed) = field.path(ui, &mut path, &mut self.experiment, browse);
+            let (field, browsed) = field.path(ui, &mut path, browse);
             if std::mem::take(&mut self.opening) {
                 field.request_focus();
             }

@@ -7,7 +7,7 @@ use serde_json::{Map, Value};
 
 use super::jobs::Job;
 use crate::{
-    app::ui::{self, Dialog, Field, FileKind, Step, primary, theme::GAP},
+    app::ui::{self, Field, FileKind, Step, primary, theme::GAP},
     work::{Request, RequestError, from_names},
 };
 
@@ -42,7 +42,6 @@ pub struct RequestForm {
     /// The fields that are not shown.
     given: Map<String, Value>,
     error: Option<RequestError>,
-    dialog: Dialog,
     /// Whether no frame was drawn yet, so that the first text field gets the focus, or an error was found, so that the
     /// field with it does.
     is_new: bool,
@@ -69,9 +68,8 @@ impl RequestForm {
         };
         let fields = shown.iter().filter_map(field).collect();
         let given = given.iter().map(|(name, value)| ((*name).to_owned(), value.as_str().into())).collect();
-        let (error, dialog) = Default::default();
         let start = Box::new(move |ctx: &Context, fields: &Map<_, _>| Ok(start(ctx, from_names(fields)?)));
-        Self { title, action, about, fields, given, error, dialog, is_new: true, start }
+        Self { title, action, about, fields, given, error: None, is_new: true, start }
     }
 
     /// Draws the dialog; starts what is requested once it is confirmed and possible.
@@ -86,7 +84,7 @@ impl RequestForm {
                 let wrong = self.error.as_ref().and_then(|error| error.field.as_deref());
                 for field in &mut self.fields {
                     let is_next = wrong.is_none_or(|wrong| wrong == field.argument.get_id().as_str());
-                    let text = field.show(ui, self.error.as_ref(), &mut self.dialog);
+                    let text = field.show(ui, self.error.as_ref());
                     if let Some(text) = text.filter(|_| is_next && std::mem::take(&mut self.is_new)) {
                         text.request_focus();
                     }
@@ -119,7 +117,7 @@ impl RequestForm {
 
 impl Shown {
     /// Draws the field; returns its response if it is a line of text.
-    fn show(&mut self, ui: &mut Ui, error: Option<&RequestError>, dialog: &mut Dialog) -> Option<Response> {
+    fn show(&mut self, ui: &mut Ui, error: Option<&RequestError>) -> Option<Response> {
         let error = error.filter(|error| error.field.as_deref() == Some(self.argument.get_id().as_str()));
         let error = error.map(|error| error.told(|_| String::new())).unwrap_or_default();
         let error = error.trim_start_matches([' ', ':']);
@@ -143,7 +141,7 @@ impl Shown {
             field.choice(ui, &mut self.value, &names, title).on_hover_text(about);
         } else if is_folder {
             let browse = (FileKind::Folder, "Choose the folder…");
-            field.path(ui, &mut self.value, dialog, browse).0.on_hover_text(about);
+            field.path(ui, &mut self.value, browse).0.on_hover_text(about);
         } else {
             return Some(field.width(FIELD).text(ui, &mut self.value).on_hover_text(about));
         }

@@ -174,10 +174,10 @@ impl Studies {
         let mut told = checked.display.as_ref().map_or_else(String::new, DisplayProfile::sentence);
         warning.iter().for_each(|warning| told = format!("{told}. {warning}"));
         let field = checked.field(form::PROFILE).slot().note(&told, warning.is_some()).hint("sRGB");
-        field.path(ui, &mut self.form.screen.profile, &mut self.profile, browse);
+        field.path(ui, &mut self.form.screen.profile, browse);
         let browse = (FileKind::Folder, "Choose the results folder…");
         let field = checked.field(form::RESULTS).slot();
-        let (field, _) = field.path(ui, &mut self.form.results, &mut self.results, browse);
+        let (field, _) = field.path(ui, &mut self.form.results, browse);
         field.on_hover_text(self.form.results.as_str());
         Field::new("Screen").column(form::LABELS).show(ui, |ui, _| {
             ui.horizontal_wrapped(|ui| {

@@ -2,10 +2,11 @@
 
 use std::{
     path::PathBuf,
+    sync::{Arc, Mutex, PoisonError},
     time::{Duration, Instant},
 };
 
-use eframe::egui::{self, Role, WidgetInfo};
+use eframe::egui::{self, Id, Role, WidgetInfo};
 
 use super::{status::complain, work::BackgroundTask};
 
@@ -19,57 +20,62 @@ pub enum FileKind {
     Folder,
 }
 
-/// A file dialog, which may be open.
-#[derive(Default)]
-pub struct Dialog {
-    open: Option<(BackgroundTask<Option<Vec<PathBuf>>>, Instant)>,
+/// The open dialog: the name of what opened it, what it will return, and when it was opened.
+type Open = Option<(String, BackgroundTask<Option<Vec<PathBuf>>>, Instant)>;
+
+fn with<R>(ctx: &egui::Context, change: impl FnOnce(&mut Open) -> R) -> R {
+    let open: Arc<Mutex<Open>> =
+        ctx.data_mut(|data| data.get_temp_mut_or_default::<Arc<Mutex<Open>>>(Id::unique("file dialog")).clone());
+    change(&mut open.lock().unwrap_or_else(PoisonError::into_inner))
 }
 
-impl Dialog {
-    /// Draws the button that opens the dialog; screen readers call it `name`. Stores the chosen path in `path`; returns
-    /// whether a path was chosen.
-    pub fn browse(&mut self, ui: &mut egui::Ui, kind: FileKind, name: &str, path: &mut String) -> bool {
-        let button = ui.button("Browse…");
-        button.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
-        if button.clicked() {
-            self.open(ui.ctx(), kind);
-        }
-        let chosen = self.take(ui.ctx()).and_then(|paths| paths.into_iter().next());
-        if let Some(chosen) = &chosen {
-            *path = chosen.display().to_string();
-        }
-        chosen.is_some()
+/// Draws the button that opens a dialog; screen readers call it `name`. Stores the chosen path in `path`; returns whether a
+/// path was chosen.
+pub fn browse(ui: &mut egui::Ui, kind: FileKind, name: &str, path: &mut String) -> bool {
+    let button = ui.button("Browse…");
+    button.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
+    if button.clicked() {
+        ask(ui.ctx(), kind, name);
     }
+    let chosen = answer(ui.ctx(), name).and_then(|paths| paths.into_iter().next());
+    if let Some(chosen) = &chosen {
+        *path = chosen.display().to_string();
+    }
+    chosen.is_some()
+}
 
-    /// Opens the dialog unless it is already open.
-    pub fn open(&mut self, ctx: &egui::Context, kind: FileKind) {
-        if self.open.is_some() {
-            return;
-        }
-        let ask = move || {
-            let dialog = rfd::FileDialog::new();
-            let one = |path: Option<PathBuf>| path.map(|path| vec![path]);
-            match kind {
-                FileKind::Toml => one(dialog.add_filter("TOML", &["toml"]).pick_file()),
-                FileKind::Mesh => one(dialog.add_filter("mesh", &["obj", "ply", "gltf", "glb"]).pick_file()),
-                FileKind::Data => {
-                    dialog.add_filter("tables", &["csv", "gz", "xlsx"]).add_filter("all files", &["*"]).pick_files()
-                }
-                FileKind::Folder => one(dialog.pick_folder()),
+/// Opens the dialog unless `name` has already opened it.
+pub fn ask(ctx: &egui::Context, kind: FileKind, name: &str) {
+    if with(ctx, |open| open.as_ref().is_some_and(|(by, ..)| by == name)) {
+        return;
+    }
+    let ask = move || {
+        let dialog = rfd::FileDialog::new();
+        let one = |path: Option<PathBuf>| path.map(|path| vec![path]);
+        match kind {
+            FileKind::Toml => one(dialog.add_filter("TOML", &["toml"]).pick_file()),
+            FileKind::Mesh => one(dialog.add_filter("mesh", &["obj", "ply", "gltf", "glb"]).pick_file()),
+            FileKind::Data => {
+                dialog.add_filter("tables", &["csv", "gz", "xlsx"]).add_filter("all files", &["*"]).pick_files()
             }
-        };
-        self.open = Some((BackgroundTask::start(ctx, ask), Instant::now()));
-    }
-
-    /// Takes the chosen paths. If the dialog never opened, the status line says so.
-    pub fn take(&mut self, ctx: &egui::Context) -> Option<Vec<PathBuf>> {
-        let (task, opened) = self.open.as_ref()?;
-        let paths = task.poll()?.unwrap_or_default();
-        // Nobody closes a dialog this fast, so none was opened. The system itself does not report this.
-        if paths.is_none() && opened.elapsed() < Duration::from_millis(400) {
-            complain(ctx, "The system could not open a file dialog. Type the path, or drop a file on this window.");
+            FileKind::Folder => one(dialog.pick_folder()),
         }
-        self.open = None;
-        paths
+    };
+    let task = BackgroundTask::start(ctx, ask);
+    with(ctx, |open| *open = Some((name.to_owned(), task, Instant::now())));
+}
+
+/// Takes the paths that were chosen in the dialog that `name` opened. If it never opened, the status line says so.
+pub fn answer(ctx: &egui::Context, name: &str) -> Option<Vec<PathBuf>> {
+    let (paths, opened) = with(ctx, |open| {
+        let (_, task, opened) = open.as_ref().filter(|(by, ..)| by == name)?;
+        let answer = (task.poll()?.unwrap_or_default(), *opened);
+        *open = None;
+        Some(answer)
+    })?;
+    // Nobody closes a dialog this fast, so none was opened. The system itself does not report this.
+    if paths.is_none() && opened.elapsed() < Duration::from_millis(400) {
+        complain(ctx, "The system could not open a file dialog. Type the path, or drop a file on this window.");
     }
+    paths
 }

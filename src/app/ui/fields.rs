@@ -8,7 +8,7 @@ use eframe::{
 };
 
 use super::{
-    dialog::{Dialog, FileKind},
+    dialog::{FileKind, browse},
     text,
     theme::{GAP, MESSAGE, SMALL_GAP, focus_ring, outline_wrong},
 };
@@ -167,21 +167,15 @@ impl<'a> Field<'a> {
         self.add(ui, edit.desired_width(width).hint_text(self.hint))
     }
 
-    /// Draws a field for a path and the button that browses for it, whose name is `browse`; it is below a field that
+    /// Draws a field for a path and the button that browses for it, whose name is `name`; it is below a field that
     /// would be too short. Also returns whether a path was chosen.
-    pub fn path(
-        self,
-        ui: &mut Ui,
-        path: &mut String,
-        dialog: &mut Dialog,
-        (kind, browse): (FileKind, &str),
-    ) -> (Response, bool) {
+    pub fn path(self, ui: &mut Ui, path: &mut String, (kind, name): (FileKind, &str)) -> (Response, bool) {
         let mut line = |ui: &mut Ui, label| {
             let room = ui.available_width() - BROWSE;
             let width = self.width.unwrap_or(if room < PATH { ui.available_width() - GAP } else { room });
             let edit = TextEdit::singleline(path).id_salt(("field", self.label));
             let field = ui.add(edit.desired_width(width).hint_text(self.hint)).labelled_by(label);
-            (field, dialog.browse(ui, kind, browse, path))
+            (field, browse(ui, kind, name, path))
         };
         self.show(ui, |ui, label| ui.horizontal_wrapped(|ui| line(ui, label)).inner)
     }

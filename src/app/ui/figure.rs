@@ -1,6 +1,6 @@
 //! Shows a figure of the report, drawn at the size in pixels that it occupies.
 
-use std::{path::PathBuf, sync::Arc};
+use std::sync::Arc;
 
 use eframe::egui::{self, ColorImage, Popup, PopupCloseBehavior, Rect, RichText, Sense, TextureHandle, Vec2};
 
@@ -31,14 +31,13 @@ pub struct FigureView {
     drawn: Latest<(u32, bool), Arc<ColorImage>>,
     /// The last image and its requested width in pixels; the image of the previous analysis until the new one is drawn.
     shown: Option<(Option<(u32, bool)>, TextureHandle)>,
-    /// The path to save it to, and the outcome.
-    saving: (String, Saving),
+    saving: Saving,
 }
 
 impl FigureView {
     /// Creates a figure that has not been drawn yet.
     pub fn new(figure: Figure) -> Self {
-        let saving = (format!("{}.svg", figure.name), Saving::default());
+        let saving = Saving::to(format!("{}.svg", figure.name));
         Self { figure, drawn: Latest::default(), shown: None, saving }
     }
 
@@ -89,16 +88,13 @@ impl FigureView {
 
     /// Draws the controls that save the figure. Its ending chooses the format.
     fn save(&mut self, ui: &mut egui::Ui) {
-        let (typed, saving) = &mut self.saving;
+        let Self { saving, figure, .. } = self;
         ui.horizontal_wrapped(|ui| {
-            let field = Field::new("Save the figure as").width(240.0).text(ui, typed);
-            if field.on_hover_text("End the name in .svg or .png, which chooses the format.").changed() {
-                *saving = Saving::default();
-            }
-            let path = PathBuf::from(typed.trim());
-            saving.export(ui, "Save", &path, &["svg", "png"], |writer, ending| match ending {
-                "svg" => writer.write(&path, self.figure.svg.as_bytes()),
-                _ => writer.write(&path, &png(&self.figure, &path)?),
+            let field = saving.field(ui, Field::new("Save the figure as").width(240.0));
+            field.on_hover_text("End the name in .svg or .png, which chooses the format.");
+            saving.export(ui, "Save", &["svg", "png"], |writer, path, ending| match ending {
+                "svg" => writer.write(path, figure.svg.as_bytes()),
+                _ => writer.write(path, &png(figure, path)?),
             });
         });
         saving.show(ui);

@@ -37,7 +37,7 @@ pub mod theme;
 pub mod work;
 
 pub use crate::{display::Monitor, store::settings::ScreenFields, work::today};
-pub use dialog::{Dialog, FileKind};
+pub use dialog::{FileKind, browse};
 pub use fields::{Field, entry, number};
 pub use history::History;
 pub use page::{

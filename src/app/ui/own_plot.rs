@@ -19,9 +19,10 @@ use crate::{
 const MAX_LEGEND: usize = 6;
 
 /// A plot of one participant's answers.
+#[derive(Default)]
 pub struct OwnPlot {
     /// What it shows, in a sentence.
-    caption: String,
+    pub caption: String,
     x_label: String,
     y_label: String,
     /// The names of the places 0, 1, … on the horizontal axis; none if it has numbers.
@@ -65,12 +66,6 @@ impl OwnPlot {
             }
         };
         plot.filter(|plot| !plot.lines.is_empty())
-    }
-
-    /// Draws the plot below its caption.
-    pub fn show(&self, ui: &mut egui::Ui) {
-        ui.label(&self.caption);
-        self.draw(ui, 280.0);
     }
 
     /// Draws the plot and what its lines are, this high, points.
@@ -175,8 +170,8 @@ fn means(
         y_label,
         places: along.levels.iter().map(place).collect(),
         y,
-        log: false,
         lines: lines.collect(),
+        ..OwnPlot::default()
     })
 }
 
@@ -201,10 +196,10 @@ fn levels(protocol: &Protocol, rows: &[&TrialRecord]) -> Option<OwnPlot> {
         caption: protocol.instructions.levels.clone(),
         x_label: protocol.instructions.trial.clone(),
         y_label: common.parameter.clone(),
-        places: Vec::new(),
         y,
         log: common.log,
         lines: lines.into_iter().collect(),
+        ..OwnPlot::default()
     })
 }
 
@@ -229,7 +224,7 @@ fn chosen(protocol: &Protocol, rows: &[&TrialRecord]) -> Option<OwnPlot> {
         y_label: protocol.instructions.share.clone(),
         places: shares.into_iter().map(|(name, _)| name).collect(),
         y: [0.0, 1.0],
-        log: false,
         lines: vec![(protocol.instructions.share.clone(), points)],
+        ..OwnPlot::default()
     })
 }

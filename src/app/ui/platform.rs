@@ -38,8 +38,6 @@ pub struct Platform {
     pub own_px: Option<[u32; 2]>,
     /// Width of the display area in cm, as reported by the screen.
     pub width_cm: Option<f64>,
-    /// Refreshes per second, from the timing of the mode.
-    pub refresh_hz: Option<f64>,
     /// Whether the screen supports variable refresh.
     pub variable_refresh: Option<bool>,
     /// Whether the screen supports high dynamic range.
@@ -89,7 +87,6 @@ impl Platform {
             let crtc = x.randr_get_crtc_info(info.crtc, resources.config_timestamp).ok()?.reply().ok()?;
             if let Some(mode) = mode(crtc.mode) {
                 self.mode_px = Some(px(mode));
-                self.refresh_hz = refresh_hz(mode);
                 self.resampled = Some(is_resampled(mode, &crtc));
             }
             let ramps = x.randr_get_crtc_gamma(info.crtc).ok()?.reply().ok()?;
@@ -103,12 +100,6 @@ impl Platform {
 
 fn px(mode: &ModeInfo) -> [u32; 2] {
     [mode.width.into(), mode.height.into()]
-}
-
-/// Returns the refreshes per second of a mode; `None` if the mode has no timing, as on virtual screens.
-fn refresh_hz(mode: &ModeInfo) -> Option<f64> {
-    let pixels = f64::from(mode.htotal) * f64::from(mode.vtotal);
-    (mode.dot_clock > 0 && pixels > 0.0).then(|| f64::from(mode.dot_clock) / pixels)
 }
 
 /// Returns whether the visible part of the desktop differs in size from the mode, so that it is scaled.

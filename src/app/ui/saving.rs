@@ -1,10 +1,10 @@
-//! The button that writes a file, and its question before it replaces one.
+//! The path of a file, the button that writes it, and its question before it replaces one.
 
 use std::path::{Path, PathBuf};
 
-use eframe::egui::{Button, Context, Ui};
+use eframe::egui::{Button, Context, Response, Ui};
 
-use super::{status::say, text};
+use super::{fields::Field, status::say, text};
 use crate::store::{StoreError, Writer};
 
 /// Returns the ending of a path, which chooses the format of the file.
@@ -35,51 +35,69 @@ pub fn open(path: &Path) -> Option<String> {
     Some(format!("{} cannot be opened: {error}", full(path).display()))
 }
 
-/// The outcome of the last click on a button that writes a file, and whether another click replaces the file.
+/// The path of a file to write, the outcome of the last click on its button, and whether another click replaces the file.
 #[derive(Default)]
 pub struct Saving {
+    /// The path as typed.
+    pub typed: String,
     outcome: Option<Result<String, String>>,
     /// The path that already exists. Another click replaces it.
     asked: Option<PathBuf>,
 }
 
 impl Saving {
-    /// Draws the button; when it is clicked, returns the writer to use. `inputs` are files that are never replaced.
-    pub fn button(
-        &mut self,
-        ui: &mut Ui,
-        caption: &str,
-        enabled: bool,
-        path: &Path,
-        inputs: &[PathBuf],
-    ) -> Option<Writer> {
-        let button = Button::new(self.caption(caption, path));
-        ui.add_enabled(enabled, button).clicked().then(|| self.writer(path, inputs))
+    /// Begins with this path.
+    pub fn to(path: impl Into<String>) -> Self {
+        Self { typed: path.into(), ..Self::default() }
     }
 
-    /// Draws the button that writes a file, whose ending must be among `known`. `write` gets the ending.
+    pub fn path(&self) -> PathBuf {
+        self.typed.trim().into()
+    }
+
+    /// Forgets the outcome, because another file would be written now.
+    pub fn forget(&mut self) {
+        (self.outcome, self.asked) = (None, None);
+    }
+
+    /// Draws the field for the path.
+    pub fn field(&mut self, ui: &mut Ui, field: Field<'_>) -> Response {
+        let field = field.text(ui, &mut self.typed);
+        if field.changed() {
+            self.forget();
+        }
+        field
+    }
+
+    /// Draws the button; when it is clicked, returns the writer to use. `inputs` are files that are never replaced.
+    pub fn button(&mut self, ui: &mut Ui, caption: &str, enabled: bool, inputs: &[PathBuf]) -> Option<Writer> {
+        let button = Button::new(self.caption(caption));
+        ui.add_enabled(enabled, button).clicked().then(|| self.writer(inputs))
+    }
+
+    /// Draws the button that writes a file, whose ending must be among `known`. `write` gets its path and its ending.
     pub fn export(
         &mut self,
         ui: &mut Ui,
         caption: &str,
-        path: &Path,
         known: &[&'static str],
-        write: impl FnOnce(&Writer, &str) -> Result<(), StoreError>,
+        write: impl FnOnce(&Writer, &Path, &str) -> Result<(), StoreError>,
     ) {
-        let Some(writer) = self.button(ui, caption, true, path, &[]) else { return };
-        let written = ending(path, known).and_then(|ending| write(&writer, ending));
-        self.finish(path, written.map(|()| saved(path)));
+        let Some(writer) = self.button(ui, caption, true, &[]) else { return };
+        let path = self.path();
+        let written = ending(&path, known).and_then(|ending| write(&writer, &path, ending));
+        self.finish(&path, written.map(|()| saved(&path)));
     }
 
     /// Returns the text of the button: `caption`, or the question whether to replace the file.
-    pub fn caption<'a>(&self, caption: &'a str, path: &Path) -> &'a str {
-        if self.asks(path) { "Replace" } else { caption }
+    pub fn caption<'a>(&self, caption: &'a str) -> &'a str {
+        if self.asks() { "Replace" } else { caption }
     }
 
     /// Returns the writer to use after a click.
-    pub fn writer(&mut self, path: &Path, inputs: &[PathBuf]) -> Writer {
-        let force = self.asks(path);
-        *self = Self::default();
+    pub fn writer(&mut self, inputs: &[PathBuf]) -> Writer {
+        let force = self.asks();
+        self.forget();
         Writer::new(inputs.to_vec(), force)
     }
 
@@ -113,7 +131,7 @@ impl Saving {
         self.outcome.as_ref()?.as_ref().err().map(String::as_str)
     }
 
-    fn asks(&self, path: &Path) -> bool {
-        self.asked.as_deref() == Some(path)
+    fn asks(&self) -> bool {
+        self.asked.as_ref() == Some(&self.path())
     }
 }

@@ -115,12 +115,12 @@ impl<K, T> Default for Kept<K, T> {
 
 impl<K: PartialEq, T> Kept<K, T> {
     /// Returns the value for a key.
-    pub fn get(&mut self, key: K, make: impl FnOnce() -> T) -> &T {
+    pub fn get(&mut self, key: K, make: impl FnOnce() -> T) -> &mut T {
         let made = match self.0.take() {
             Some((of, made)) if of == key => made,
             _ => make(),
         };
-        &self.0.insert((key, made)).1
+        &mut self.0.insert((key, made)).1
     }
 
     /// Returns the last value.

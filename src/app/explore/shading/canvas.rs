@@ -14,28 +14,14 @@ const STEPS_DEG: [f64; 2] = [5.0, 1.0];
 /// The enlargements of the picture; at 1, each of its pixels is one of the screen.
 const ZOOMS: [f32; 5] = [1.0, 2.0, 4.0, 8.0, 16.0];
 
-/// Factor by which the difference between two images is amplified.
-pub const FACTOR: u8 = 16;
-
 /// Radius of the knob that moves the divider, points.
 const KNOB: f32 = 9.0;
-
-/// How the two pictures are combined.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Layer {
-    /// One on either side of the divider.
-    #[default]
-    Split,
-    /// The amplified difference between the two.
-    Difference,
-    /// How visible the difference from the smooth surface is, each image on its side of the divider.
-    Visible,
-}
 
 /// How the images are shown. None of these settings changes an image.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ViewSettings {
-    pub layer: Layer,
+    /// Whether maps show how visible the difference of each image from the smooth surface is, in its place.
+    pub maps: bool,
     /// Position of the divider, as a share of the image's width.
     pub divider: f64,
     /// Whether the scan line and its plots are shown; a drag then draws the line, and otherwise rotates the mesh.
@@ -51,7 +37,7 @@ pub struct ViewSettings {
 impl Default for ViewSettings {
     fn default() -> Self {
         Self {
-            layer: Layer::default(),
+            maps: false,
             divider: 0.5,
             scan: false,
             line: [Pos2::new(0.2, 0.45), Pos2::new(0.8, 0.45)],
@@ -126,7 +112,7 @@ pub fn interact(
         () if response.dragged() => CursorIcon::Grabbing,
         () => CursorIcon::Grab,
     };
-    let divided = settings.layer != Layer::Difference && divider(ui, rect, settings);
+    let divided = divider(ui, rect, settings);
     response.on_hover_cursor(icon).dragged() || divided
 }
 
@@ -200,9 +186,6 @@ fn divider(ui: &egui::Ui, rect: Rect, settings: &mut ViewSettings) -> bool {
     if let Some(at) = response.interact_pointer_pos().filter(|_| response.dragged()) {
         settings.divider = f64::from(share(rect, at).x);
     }
-    if response.double_clicked() {
-        settings.divider = 0.5;
-    }
     if response.has_focus() {
         let [right, _] = arrows(ui, &response);
         settings.divider = (settings.divider + right * 0.02).clamp(0.0, 1.0);
@@ -225,14 +208,12 @@ pub fn draw(ui: &egui::Ui, rect: Rect, textures: [TextureId; 2], size: [u32; 2],
 /// Draws the divider and the scan line.
 pub fn draw_marks(ui: &egui::Ui, rect: Rect, settings: &ViewSettings) {
     let painter = ui.painter().with_clip_rect(rect.expand(KNOB));
-    if settings.layer != Layer::Difference {
-        let x = rect.left() + rect.width() * settings.divider as f32;
-        if ui.memory(|memory| memory.has_focus(Id::unique("shading divider"))) {
-            painter.vline(x, rect.y_range(), Stroke::new(4.0, ui.visuals().selection.stroke.color));
-        }
-        painter.vline(x, rect.y_range(), Stroke::new(1.0, theme::MARK_LINE));
-        grip(&painter, knob(rect, x));
+    let x = rect.left() + rect.width() * settings.divider as f32;
+    if ui.memory(|memory| memory.has_focus(Id::unique("shading divider"))) {
+        painter.vline(x, rect.y_range(), Stroke::new(4.0, ui.visuals().selection.stroke.color));
     }
+    painter.vline(x, rect.y_range(), Stroke::new(1.0, theme::MARK_LINE));
+    grip(&painter, knob(rect, x));
     if settings.scan {
         let whole = settings.whole(rect);
         let [from, to] = settings.line.map(|end| whole.lerp_inside(end.to_vec2()));

@@ -1,30 +1,26 @@
 //! The page: lays out the controls and the view, and updates them.
 
-use std::{
-    path::{Path, PathBuf},
-    sync::Arc,
-};
+use std::sync::Arc;
 
 use eframe::egui::{self, Key, Label, Pos2, Rect, RichText, UiBuilder};
 use serde_json::{Value, json};
 
 use super::{
-    canvas::{self, FACTOR, Layer, ViewSettings},
+    canvas::{self, ViewSettings},
     comparison::{Comparison, MeshChoice, title},
     controls,
-    pictures::{Measured, Picture, Pictures, SHORTER_SIDE_DEG, SIDE_PX, Scan, difference, divided, visible},
+    pictures::{Measured, Picture, Pictures, SHORTER_SIDE_DEG, SIDE_PX, Scan, divided, visible},
 };
 use crate::{
     app::ui::{
-        Bench, Dialog, Field, FileKind, History, Saving, escaped, hint, say, secondary, text,
+        Bench, Field, FileKind, History, Saving, browse, escaped, hint, say, secondary, text,
         theme::{self, BODY, SECTION, ink},
         work::{Kept, Latest},
     },
     display::DisplayProfile,
-    light::CodeImage,
     report::document::numbers::whole,
     shading::{Surface, crease},
-    store::{self, StoreError},
+    store,
 };
 
 /// Height of the plots below the picture, points.
@@ -52,10 +48,7 @@ pub struct ShadingPage {
     /// How visible the differences from the smooth surface are, by the edition of the pictures.
     visible: Latest<u64, Measured>,
     scan: Kept<(u64, [Pos2; 2]), Scan>,
-    difference: Kept<u64, Picture>,
     file: FileField,
-    /// The name of the exported file that the user typed; `None` for the suggested one.
-    typed: Option<String>,
     saving: Saving,
     dragging: bool,
 }
@@ -64,7 +57,6 @@ pub struct ShadingPage {
 #[derive(Default)]
 struct FileField {
     path: String,
-    dialog: Dialog,
     error: Option<String>,
 }
 
@@ -128,7 +120,7 @@ impl ShadingPage {
         let mut open = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
         ui.horizontal_wrapped(|ui| {
             open |= ui.button("Open the file").clicked();
-            open |= self.file.dialog.browse(ui, FileKind::Mesh, "Choose a mesh…", &mut self.file.path);
+            open |= browse(ui, FileKind::Mesh, "Choose a mesh…", &mut self.file.path);
         });
         if let Some(path) = ui.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_owned())) {
             self.file.path = path.display().to_string();
@@ -204,12 +196,7 @@ impl ShadingPage {
         let settings = &mut self.settings;
         let group = |ui: &mut egui::Ui, text: &str| ui.add(Label::new(secondary(text)).extend());
         ui.horizontal_wrapped(|ui| {
-            group(ui, "Show");
-            for (layer, name) in
-                [(Layer::Split, "Split"), (Layer::Difference, "Difference"), (Layer::Visible, "Visibility")]
-            {
-                ui.selectable_value(&mut settings.layer, layer, name);
-            }
+            ui.checkbox(&mut settings.maps, "Visibility");
             ui.checkbox(&mut settings.scan, "Scan line");
             // What belongs to the zoom stays on one line.
             if ui.available_size_before_wrap().x < ZOOM {
@@ -231,8 +218,8 @@ impl ShadingPage {
         });
     }
 
-    /// Says what the colors of the layer mean or, above the images themselves, what dragging does. The line has the same
-    /// height for every layer, so that the picture keeps its size.
+    /// Says what the colors of the maps mean or, above the images themselves, what dragging does. The line has the same
+    /// height for both, so that the picture keeps its size.
     fn explain(&self, ui: &mut egui::Ui) {
         let drag = if self.settings.scan {
             "Drag across the picture to draw the scan line; the arrow keys move it."
@@ -242,18 +229,11 @@ impl ShadingPage {
         };
         ui.horizontal(|ui| {
             ui.set_min_height(2.0 * ui.text_style_height(&egui::TextStyle::Small));
-            match self.settings.layer {
-                Layer::Split => text::two_lines(ui, drag, ink(ui).dim, 2),
-                Layer::Difference => {
-                    let most = format!("{} codes apart or more", u8::MAX.div_ceil(FACTOR));
-                    canvas::key(ui, "the same code", |share| [share; 3], &most);
-                }
-                Layer::Visible => {
-                    let most =
-                        self.measured().map_or_else(|_| String::new(), |known| format!("{:.1} ", known.full_scale));
-                    canvas::key(ui, "as the smooth surface", crease::color, &format!("{most}times the threshold"));
-                }
+            if !self.settings.maps {
+                return text::two_lines(ui, drag, ink(ui).dim, 2);
             }
+            let most = self.measured().map_or_else(|_| String::new(), |known| format!("{:.1} ", known.full_scale));
+            canvas::key(ui, "as the smooth surface", crease::color, &format!("{most}times the threshold"));
         });
     }
 
@@ -302,10 +282,6 @@ impl ShadingPage {
         if self.settings.scan {
             self.scan.get((edition, line), || Scan::new(&pictures, line));
         }
-        if self.settings.layer == Layer::Difference {
-            let codes = || difference(pictures.sides.each_ref().map(|side| &side.codes));
-            self.difference.get(edition, || Picture::new(ctx, codes()));
-        }
         self.pictures = Some(pictures);
     }
 
@@ -319,15 +295,18 @@ impl ShadingPage {
         }
     }
 
+    /// Returns the maps if they are shown. Until they are ready, the images themselves are shown.
+    fn maps(&self) -> Option<&Measured> {
+        self.measured().ok().filter(|_| self.settings.maps)
+    }
+
+    fn shown<'a>(&'a self, pictures: &'a Pictures) -> &'a [Picture; 2] {
+        self.maps().map_or(&pictures.sides, |measured| &measured.maps)
+    }
+
     fn draw(&self, ui: &egui::Ui, rect: Rect) {
         let Some(pictures) = &self.pictures else { return };
-        let textures = match (self.settings.layer, self.difference.last(), self.measured()) {
-            (Layer::Difference, Some(difference), _) => [difference.id(); 2],
-            (Layer::Difference, None, _) => return,
-            (Layer::Visible, _, Ok(measured)) => measured.maps.each_ref().map(Picture::id),
-            // Until the maps are ready, the images themselves are shown.
-            _ => pictures.sides.each_ref().map(Picture::id),
-        };
+        let textures = self.shown(pictures).each_ref().map(Picture::id);
         canvas::draw(ui, rect, textures, pictures.size(), &self.settings);
     }
 
@@ -341,36 +320,20 @@ impl ShadingPage {
         format!("{a} differs from the smooth surface by {left:.1} times what people can just see; {b} by {right:.1}.")
     }
 
-    /// Returns the pixels of the view as on the screen, but without overlays.
-    fn pixels(&self) -> Option<CodeImage> {
-        let pictures = self.pictures.as_ref()?;
-        if self.settings.layer == Layer::Difference {
-            return Some(self.difference.last()?.codes.clone());
-        }
-        let sides = if self.settings.layer == Layer::Visible { &self.measured().ok()?.maps } else { &pictures.sides };
-        let [left, right] = sides.each_ref().map(|side| &side.codes);
-        Some(divided([left, right], self.settings.column(left.width)))
-    }
-
     /// Draws the controls that save the view as PNG.
     fn export(&mut self, ui: &mut egui::Ui) {
-        let Some(compared) = self.pictures.as_ref().map(|pictures| &pictures.compared) else { return };
-        let mut name = self.typed.clone().unwrap_or_else(|| suggested(compared));
-        let width = ui.available_width();
-        if Field::new("Export to").width(width).text(ui, &mut name).changed() {
-            self.typed = Some(name.clone()).filter(|name| !name.trim().is_empty());
-            self.saving = Saving::default();
-        }
-        let path = PathBuf::from(name.trim());
+        let Some(pictures) = &self.pictures else { return };
         let mut saving = std::mem::take(&mut self.saving);
-        saving.export(ui, "Export", &path, &["png"], |writer, _| {
-            let not_ready = || StoreError::Protected {
-                path: path.clone(),
-                what: "this view is not ready yet; try again in a moment".to_owned(),
-            };
-            let (pictures, image) = self.pictures.as_ref().zip(self.pixels()).ok_or_else(not_ready)?;
+        if saving.typed.is_empty() {
+            saving = Saving::to("shading.png");
+        }
+        saving.field(ui, Field::new("Export to").width(ui.available_width()));
+        saving.export(ui, "Export", &["png"], |writer, path, _| {
+            // As on the screen, but without overlays.
+            let sides = self.shown(pictures).each_ref().map(|side| &side.codes);
+            let image = divided(sides, self.settings.column(sides[0].width));
             let parameters = self.parameters(pictures, [image.width, image.height]);
-            store::image::write_shaded(writer, &path, &image, &pictures.transfers, &parameters)
+            store::image::write_shaded(writer, path, &image, &pictures.transfers, &parameters)
         });
         saving.show(ui);
         self.saving = saving;
@@ -382,26 +345,17 @@ impl ShadingPage {
         all["transfer"] = json!(pictures.transfers.to_string());
         all["size"] = json!(size);
         let column = self.settings.column(size[0]);
-        all["view"] = match self.settings.layer {
-            Layer::Split => json!({"show": "split", "right_from_column": column}),
-            Layer::Difference => json!({"show": "difference of codes", "factor": FACTOR}),
-            Layer::Visible => json!({
+        all["view"] = match self.maps() {
+            None => json!({"show": "split", "right_from_column": column}),
+            Some(measured) => json!({
                 "show": "visible difference from the smooth surface",
                 "right_from_column": column,
                 "shorter_side_deg": SHORTER_SIDE_DEG,
                 "judged_from_px": [SIDE_PX, SIDE_PX],
-                "full_scale": self.measured().ok().map(|measured| measured.full_scale),
+                "full_scale": measured.full_scale,
             }),
         };
         all["program"] = json!(concat!("machband ", env!("CARGO_PKG_VERSION")));
         all
     }
-}
-
-/// Returns a file name that says what is compared.
-fn suggested(compared: &Comparison) -> String {
-    let title = compared.mesh.title();
-    let stem = Path::new(&title).file_stem().unwrap_or_default().to_string_lossy();
-    let [left, right] = compared.sides.map(|side| side.shader);
-    format!("{stem}-{left}-{right}.png")
 }

@@ -8,7 +8,7 @@ use eframe::egui::{self, Pos2, TextureHandle, TextureId};
 use egui_plot::Line;
 use glam::{DVec2, DVec3};
 
-use super::{canvas::FACTOR, comparison::Comparison};
+use super::comparison::Comparison;
 use crate::{
     app::ui::{describe, hint, pixels, still_plot, theme::ink},
     light::{Bits, CodeImage, Quantizer, Samples, Transfers},
@@ -80,20 +80,12 @@ impl Pictures {
     }
 }
 
-/// Returns the amplified difference of two images.
-pub fn difference([left, right]: [&CodeImage; 2]) -> CodeImage {
-    combined(left, right, |_, left, right| left.abs_diff(right).saturating_mul(FACTOR))
-}
-
 /// Returns the left image up to a column and the right image from that column on, as at the divider.
 pub fn divided([left, right]: [&CodeImage; 2], column: u32) -> CodeImage {
-    combined(left, right, |x, left, right| if x < column { left } else { right })
-}
-
-fn combined(left: &CodeImage, right: &CodeImage, code: impl Fn(u32, u8, u8) -> u8) -> CodeImage {
-    let (a, b) = (left.bytes().unwrap_or_default(), right.bytes().unwrap_or_default());
     let row = left.width.max(1) as usize * 3;
-    let codes = a.iter().zip(b).enumerate().map(|(i, (a, b))| code((i % row / 3) as u32, *a, *b)).collect();
+    let is_left = |i: usize| i % row < 3 * column as usize;
+    let both = left.bytes().into_iter().flatten().zip(right.bytes().into_iter().flatten()).enumerate();
+    let codes = both.map(|(i, (left, right))| if is_left(i) { *left } else { *right }).collect();
     CodeImage { width: left.width, height: left.height, samples: Samples::Eight(codes) }
 }
 
