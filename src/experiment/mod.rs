@@ -32,7 +32,7 @@ pub use participant::{Answers, FieldKind, FieldSpec, Identity, MAX_ANSWER, Parti
 pub use protocol::{Protocol, name_error};
 pub use record::{
     Column, IN_BIDS, Rating, RatingRow, RowContext, SECOND, SIMULATED, STIM_FILE, STIMULUS, Seconds, TaskAnswer,
-    TrialRecord, columns, common_columns, is_reserved,
+    TrialRecord, columns, columns_by_header, is_reserved,
 };
 pub use replay::{Replay, Replayed};
 pub use scale::{CATEGORIES, Category, ResponseScale};

@@ -312,9 +312,12 @@ fn described_twice(protocol: &Protocol) -> impl Iterator<Item = &str> {
     own.filter(|_| protocol.pairs().is_some())
 }
 
-/// Returns the columns that every result file has.
-pub fn common_columns() -> Vec<Column> {
-    FIXED.iter().copied().map(column).collect()
+/// Returns the columns of a file whose definition is unknown: the columns that every file has, and any others in its
+/// header.
+pub fn columns_by_header<'a>(header: impl Iterator<Item = &'a str>) -> Vec<Column> {
+    let mut extra = header.skip(FIXED.len()).map(|name| (name, "", "")).peekable();
+    let task = if extra.peek().is_some_and(|(name, ..)| *name == TASK[0].0) { TASK } else { &[] };
+    FIXED.iter().chain(task).copied().chain(extra.skip(task.len())).map(column).collect()
 }
 
 /// Describes a column by its name, unit and meaning.

@@ -13,7 +13,7 @@ use super::{
     source::{Layout, ReadOptions, Shape},
 };
 use crate::{
-    experiment::{Factor, Protocol, SIMULATED, STIMULUS, common_columns},
+    experiment::{Factor, Protocol, SIMULATED, STIMULUS, columns_by_header},
     stimulus::is_direction,
     store::{FileError, StoreError, definition, file::exists, session::seal, sidecar::Sidecar, table::shortened},
     text::names::{expected_one_of, some_of},
@@ -263,7 +263,7 @@ impl Input {
 
     /// Returns the columns that are neither standard columns of a result file nor named for another use.
     fn other_columns(&self, options: &ReadOptions) -> Vec<String> {
-        let fixed = common_columns();
+        let fixed = columns_by_header(std::iter::empty());
         let named = [self.subject(options), options.response(), options.time(), SIMULATED];
         let named = named.into_iter().chain(options.order.as_deref());
         let known = fixed.iter().map(|column| column.name.as_str()).chain(named);
