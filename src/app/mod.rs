@@ -94,25 +94,20 @@ impl App {
     fn draw(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
         let monitor = Monitor::current(ui.ctx(), frame);
         let Some(session) = &mut self.session else { return self.draw_places(ui, &monitor) };
-        match session.show(ui, &monitor, &mut self.input, self.direct) {
-            Step::Stay => return,
-            Step::Next(data_set) => {
-                self.analysis = analysis::Analysis::of(ui.ctx(), data_set);
-                // From here, one can go anywhere.
-                (self.session, self.place, self.direct) = (None, Place::Analyze, false);
+        if !session.show(ui, &monitor, &mut self.input, self.direct) {
+            return;
+        }
+        if self.direct {
+            ui.ctx().send_viewport_cmd(ViewportCommand::Close);
+        } else if let Some(session) = self.session.take() {
+            let finish = session.finish();
+            let completed = finish.is_some_and(|finish| finish.complete);
+            if let Some(finish) = finish {
+                let how = if completed { "finished" } else { "interrupted" };
+                let path = finish.path.display();
+                ui::say(ui.ctx(), format!("The session is {how}; every answer is saved in {path}."));
             }
-            Step::Back if self.direct => ui.ctx().send_viewport_cmd(ViewportCommand::Close),
-            Step::Back => {
-                let session = self.session.take();
-                let finish = session.as_ref().and_then(|session| session.finish());
-                let completed = finish.is_some_and(|finish| finish.complete);
-                if let Some(finish) = finish {
-                    let how = if completed { "finished" } else { "interrupted" };
-                    let path = finish.path.display();
-                    ui::say(ui.ctx(), format!("The session is {how}; every answer is saved in {path}."));
-                }
-                self.go(Place::Studies, completed);
-            }
+            self.go(Place::Studies, completed);
         }
         ui.ctx().request_repaint();
     }
@@ -124,9 +119,7 @@ impl App {
         }
         let (page, line) = ui.max_rect().split_top_bottom_at_y(ui.max_rect().bottom() - ui::theme::ROW);
         ui.scope_builder(egui::UiBuilder::new().max_rect(page), |ui| {
-            if !self.direct
-                && let Some(place) = ui::side_bar(ui, self.place, &mut self.dialog)
-            {
+            if let Some(place) = ui::side_bar(ui, self.place, &mut self.dialog) {
                 self.go(place, false);
                 ui.ctx().request_discard("the side bar shows the place before");
             }

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use eframe::egui::{self, Key};
 
 use crate::{
-    app::ui::{self, Field, FileKind, Step, own_plot::OwnPlot, theme},
+    app::ui::{self, Field, FileKind, own_plot::OwnPlot, theme},
     experiment::Protocol,
     system::{data_folder, make_private_folder},
 };
@@ -27,11 +27,10 @@ pub struct Finish {
 }
 
 impl Finish {
-    /// Draws the page. `direct`: leaving it closes the window.
-    pub fn show(&mut self, ui: &mut egui::Ui, direct: bool) -> Step<PathBuf> {
+    /// Draws the page; returns whether the user left it. `direct`: leaving it closes the window.
+    pub fn show(&mut self, ui: &mut egui::Ui, direct: bool) -> bool {
         let texts = self.protocol.instructions.clone();
         let mut leave = false;
-        let mut analyze = false;
         ui::page(ui, |ui| {
             if self.complete {
                 ui.heading(&texts.thanks);
@@ -54,37 +53,28 @@ impl Finish {
             leave = ui::neutral_primary(ui, if direct { &texts.close } else { &texts.back }, true, "Enter");
             ui.add_space(theme::LARGE_GAP);
             let section = egui::CollapsingHeader::new(ui::secondary(&texts.experimenter)).id_salt(&self.path);
-            ui::folded(ui, section, |ui| analyze = self.details(ui));
+            ui::folded(ui, section, |ui| self.details(ui));
         });
         let focused = ui.ctx().memory(|memory| memory.focused().is_some());
         let entered = !focused && ui.input(|input| input.key_pressed(Key::Enter));
-        // The folder with all sessions of the experiment.
-        if let Some(data_set) = self.path.ancestors().nth(2).filter(|_| analyze) {
-            return Step::Next(data_set.to_owned());
-        }
-        Step::back_if(leave || entered)
+        leave || entered
     }
 
-    /// Draws what only the experimenter needs; returns whether they want to analyze the results.
-    fn details(&mut self, ui: &mut egui::Ui) -> bool {
+    /// Draws what only the experimenter needs.
+    fn details(&mut self, ui: &mut egui::Ui) {
         let texts = &self.protocol.instructions;
         ui.label(&texts.saved_in);
         ui.add(egui::Label::new(egui::RichText::new(self.path.display().to_string()).monospace()).wrap());
-        let analyze = ui.horizontal_wrapped(|ui| {
-            if ui.button(&texts.open_folder).clicked() {
-                let folder = self.path.parent().unwrap_or(&self.path);
-                self.unopened = ui::open(folder);
-            }
-            // Participants who return must not see trends in their answers.
-            self.complete && ui.button("Analyze these results").clicked()
-        });
+        if ui.button(&texts.open_folder).clicked() {
+            let folder = self.path.parent().unwrap_or(&self.path);
+            self.unopened = ui::open(folder);
+        }
         if let Some(frames) = &self.frames {
             ui::hint(ui, frames);
         }
         if let Some(error) = &self.unopened {
             ui::show_error(ui, error);
         }
-        analyze.inner
     }
 }
 

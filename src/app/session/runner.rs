@@ -1,7 +1,5 @@
 //! Runs one session from the preflight to the last page.
 
-use std::path::PathBuf;
-
 use eframe::egui::{Color32, Ui};
 
 use super::{finish::Finish, preflight::Preflight, request::Request, trials::Trials};
@@ -23,22 +21,19 @@ impl Runner {
         Self::Preflight(Box::new(Preflight::new(request)))
     }
 
-    /// Draws a frame. `Next` leads to the analysis of a data set. `direct`: leaving the session closes the window.
-    pub fn show(&mut self, ui: &mut Ui, monitor: &Monitor, input: &mut Input, direct: bool) -> Step<PathBuf> {
+    /// Draws a frame; returns whether the session is left. `direct`: leaving the session closes the window.
+    pub fn show(&mut self, ui: &mut Ui, monitor: &Monitor, input: &mut Input, direct: bool) -> bool {
         let next = match self {
             Self::Preflight(preflight) => preflight.show(ui, monitor).map(Self::Trials),
             Self::Trials(trials) => trials.show(ui, monitor, input).map(Self::Finish),
             Self::Finish(finish) => return finish.show(ui, direct),
         };
-        match next {
-            Step::Stay => Step::Stay,
-            Step::Back => Step::Back,
-            Step::Next(stage) => {
-                *self = stage;
-                ui.ctx().request_repaint();
-                Step::Stay
-            }
+        let is_left = matches!(next, Step::Back);
+        if let Step::Next(stage) = next {
+            *self = stage;
+            ui.ctx().request_repaint();
         }
+        is_left
     }
 
     pub fn ground(&self) -> Color32 {
