@@ -61,8 +61,10 @@ fn ramps_have_the_bands_of_another_implementation() {
 fn bands_change_smoothly_with_the_width_and_weaken_with_depth() {
     let step = &bands_of(&[ramp(0.0, Depth::Finite(1))], None)[0];
     assert!(step.bright <= 0.02 && step.dark <= 0.02, "{step:?}");
-    let uniform = &bands_of(&[MachBand { high: 0.25, ..ramp(1.0, Depth::Finite(1)) }], None)[0];
-    assert_eq!([uniform.bright, uniform.dark], [0.0; 2]);
+    for width in [1.0, 9.999] {
+        let uniform = &bands_of(&[MachBand { high: 0.25, ..ramp(width, Depth::Finite(1)) }], None)[0];
+        assert_eq!([uniform.bright, uniform.dark], [0.0; 2]);
+    }
     let widths = scan(0.03, 8.0, 200);
     let found = DEPTHS.map(|depth| bands_of(&widths.iter().map(|width| ramp(*width, depth)).collect::<Vec<_>>(), None));
     for (i, width) in widths.iter().enumerate() {

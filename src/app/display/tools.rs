@@ -15,8 +15,8 @@ use super::{
 };
 use crate::{
     app::ui::{
-        Field, FileKind, Monitor, ScreenFields, Step, hint, note, platform::Platform, say, text, theme::ink, today,
-        tool_page,
+        Field, FileKind, Monitor, ScreenFields, Step, full, hint, note, platform::Platform, say, text, theme::ink,
+        today, tool_page,
     },
     display::{DisplayProfile, Viewing, geometry::distance_cm},
 };
