@@ -180,6 +180,14 @@ fn steps_have_one_ratio_and_the_codes_of_the_profile() {
     assert!(steps(&profile, 1.0, 8).is_err() && steps(&profile, i0, 0).is_err());
 }
 
+/// Opens the timing tool from Home.
+fn timing() -> Window {
+    let mut window = home([1000.0, 900.0], STEP_S);
+    click(&mut window, "Display");
+    click(&mut window, "Timing");
+    window
+}
+
 fn says(window: &Window, text: &str) -> bool {
     window.query_all_by_label_contains(text).next().is_some()
 }
@@ -228,9 +236,7 @@ fn measuring_pages_show_nothing_else_and_leaving_asks() {
 
 #[test]
 fn timing_measures_and_reports() {
-    let mut window = home([1000.0, 900.0], STEP_S);
-    click(&mut window, "Display");
-    click(&mut window, "Timing");
+    let mut window = timing();
     click(&mut window, "Measure");
     window.run_steps(640);
     for text in ["600", "60.000 Hz, 16.667 ms, measured", "dropped frames", "missed refreshes"] {
@@ -241,4 +247,20 @@ fn timing_measures_and_reports() {
     window.key_press(Key::Escape);
     window.run_steps(2);
     assert!(window.query_by_label("Timing").is_some());
+}
+
+#[test]
+fn two_warnings_precede_the_flicker_and_esc_stops_it() {
+    let mut window = timing();
+    click(&mut window, "A flickering patch");
+    assert!(says(&window, "photosensitive epilepsy"));
+    click(&mut window, "Measure");
+    assert!(says(&window, "It begins in 3 s. Press Esc to stop.") && says(&window, "photosensitive epilepsy"));
+    window.run_steps(60);
+    assert!(says(&window, "It begins in 2 s"));
+    window.run_steps(150);
+    assert!(!says(&window, "photosensitive"), "it flickers");
+    window.key_press(Key::Escape);
+    window.run_steps(3);
+    assert!(says(&window, "Measure") && !says(&window, "median"));
 }

@@ -2,14 +2,17 @@
 
 use std::{path::PathBuf, time::Duration};
 
-use eframe::egui::{self, Color32, Key, RichText, Ui};
+use eframe::{
+    egui::{self, CentralPanel, Color32, Frame, Key, Rect, RichText, Ui, Vec2},
+    emath::GuiRounding as _,
+};
 
 use super::{calibrate::full_screen, tool::Tool};
 use crate::{
     app::ui::{
-        Monitor, Step,
+        Field, Monitor, Step,
         figure::FigureView,
-        neutral_primary, paragraph, secondary,
+        neutral_primary, page, paragraph, secondary,
         theme::{DARK_PAGE, ink},
         tool_page,
     },
@@ -24,6 +27,14 @@ use crate::{
 const FRAMES: usize = 600;
 /// Frames that are skipped before the measurement while caches fill and the window settles.
 const SETTLING: u32 = 30;
+/// How long the warning is shown before something flickers, seconds.
+const WARNING_S: f64 = 3.0;
+/// The safety warning that precedes a flickering patch.
+const FLICKER_WARNING: &str = "A patch will flicker between black and white with every frame. Flicker can cause seizures in people with photosensitive epilepsy: do not look at it, and keep anyone at risk from looking at it.";
+/// Side of the patch, which is small so that it stimulates as little of the retina as possible, and its distance from the
+/// upper left corner of the screen, where a photodiode can be held, physical pixels.
+const PATCH_PX: f32 = 96.0;
+const MARGIN_PX: f32 = 16.0;
 
 /// Frame intervals and the refresh against which they are judged.
 #[derive(Clone, Debug, PartialEq)]
@@ -112,24 +123,75 @@ impl TimingReport {
     }
 }
 
+/// A measurement in progress.
+#[derive(Default)]
+struct TimingRun {
+    /// Whether a patch alternates between black and white: a target for a photodiode.
+    flickers: bool,
+    /// The window's time at which the warning began, seconds. Content that does not flicker needs no warning.
+    warned: Option<f64>,
+    frame: u32,
+    times: FrameTimes,
+}
+
+impl TimingRun {
+    /// Draws a frame and requests the next one; returns the report once all frames are measured.
+    fn show(&mut self, ui: &mut Ui, monitor: &Monitor) -> Option<TimingReport> {
+        let now = ui.input(|input| input.time);
+        ui.ctx().request_repaint();
+        if self.flickers {
+            let remaining_s = WARNING_S - (now - *self.warned.get_or_insert(now));
+            if remaining_s > 0.0 {
+                warn(ui, remaining_s);
+                return None;
+            }
+            draw_patch(ui, self.frame);
+        }
+        self.frame += 1;
+        if self.frame > SETTLING {
+            self.times.frame(Duration::try_from_secs_f64(now).unwrap_or_default(), None);
+        }
+        let measured = self.times.intervals_us();
+        (measured.len() >= FRAMES).then(|| TimingReport::new(measured, monitor))
+    }
+
+    /// Returns the background color of the page: black, so that nothing of the warning remains behind the patch.
+    fn ground(&self) -> Color32 {
+        if self.frame > 0 { Color32::BLACK } else { DARK_PAGE }
+    }
+}
+
+fn draw_patch(ui: &mut Ui, frame: u32) {
+    CentralPanel::default().frame(Frame::NONE).show(ui, |ui| {
+        let scale = ui.ctx().pixels_per_point();
+        let corner = (ui.ctx().content_rect().min + Vec2::splat(MARGIN_PX / scale)).round_to_pixels(scale);
+        let color = if frame.is_multiple_of(2) { Color32::WHITE } else { Color32::BLACK };
+        ui.painter().rect_filled(Rect::from_min_size(corner, Vec2::splat(PATCH_PX / scale)), 0.0, color);
+    });
+}
+
+fn warn(ui: &mut Ui, remaining_s: f64) {
+    page(ui, |ui| {
+        ui.heading("Flicker");
+        paragraph(ui, FLICKER_WARNING);
+        ui.label(format!("It begins in {:.0} s. Press Esc to stop.", remaining_s.ceil()));
+    });
+}
+
 #[derive(Default)]
 pub struct TimingTool {
-    /// The frames so far of the measurement in progress, with those that do not count.
-    run: Option<(u32, FrameTimes)>,
+    flickers: bool,
+    run: Option<TimingRun>,
     found: Option<(TimingReport, FigureView)>,
 }
 
 impl TimingTool {
-    /// Counts a frame and requests the next one; returns the report once all frames are measured.
-    fn measure(&mut self, ui: &Ui, monitor: &Monitor) -> Option<TimingReport> {
-        let (frame, times) = self.run.as_mut()?;
-        ui.ctx().request_repaint();
-        *frame += 1;
-        if *frame > SETTLING {
-            times.frame(Duration::try_from_secs_f64(ui.input(|input| input.time)).unwrap_or_default(), None);
+    fn settings(&mut self, ui: &mut egui::Ui) {
+        Field::new("Show").show(ui, |ui, _| ui.checkbox(&mut self.flickers, "A flickering patch"));
+        if self.flickers {
+            paragraph(ui, RichText::new(FLICKER_WARNING).color(ink(ui).warn));
         }
-        let measured = times.intervals_us();
-        (measured.len() >= FRAMES).then(|| TimingReport::new(measured, monitor))
+        ui.add_space(4.0);
     }
 
     fn show_found(&mut self, ui: &mut egui::Ui) {
@@ -151,9 +213,9 @@ impl TimingTool {
 }
 
 impl Tool for TimingTool {
-    fn show(&mut self, ui: &mut Ui, monitor: &Monitor, _: Option<&Viewing>) -> Step<PathBuf> {
-        if self.run.is_some() {
-            let report = self.measure(ui, monitor);
+    fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor, _: Option<&Viewing>) -> Step<PathBuf> {
+        if let Some(run) = &mut self.run {
+            let report = run.show(ui, monitor);
             if report.is_some() || ui.input(|input| input.key_pressed(Key::Escape)) {
                 let drawn = |report: TimingReport| {
                     let figure = figures::intervals(report.intervals_us(), report.refresh);
@@ -167,8 +229,9 @@ impl Tool for TimingTool {
         Step::back_if(tool_page(ui, "Timing", |ui| {
             ui.label("Every refresh of the screen should show a new frame. This tool measures whether it does.");
             ui.add_space(8.0);
+            self.settings(ui);
             if neutral_primary(ui, "Measure", true, "Full screen. Press Esc to stop.") {
-                self.run = Some((0, FrameTimes::default()));
+                self.run = Some(TimingRun { flickers: self.flickers, ..TimingRun::default() });
                 full_screen(ui.ctx(), true);
             }
             ui.add_space(12.0);
@@ -182,6 +245,6 @@ impl Tool for TimingTool {
     }
 
     fn ground(&self) -> Option<Color32> {
-        self.run.is_some().then_some(DARK_PAGE)
+        self.run.as_ref().map(TimingRun::ground)
     }
 }
