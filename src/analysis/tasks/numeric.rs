@@ -1,8 +1,9 @@
-//! Numerical methods that the analyses of tasks share: a search for the maximum, and the curvature of a function.
+//! Numerical methods that the analyses of tasks share: a search for the maximum, Gaussian quadrature, and the curvature
+//! of a function.
 
 use std::array::from_fn;
 
-use nalgebra::SMatrix;
+use nalgebra::{DMatrix, SMatrix};
 
 /// A search for a maximum ends after this many values of the function.
 const MAX_VALUES: usize = 4_000;
@@ -93,4 +94,17 @@ pub(super) fn curvature<const N: usize>(
             (same - other) / (4.0 * area)
         }
     })
+}
+
+/// Returns the nodes and weights of the Gauss–Legendre rule on 0…1, in ascending order; the weights sum to 1 (Golub &
+/// Welsch 1969, Math. Comput. 23, 221).
+pub(super) fn legendre(nodes: usize) -> Vec<(f64, f64)> {
+    let coefficient = |k: f64| k / (4.0 * k * k - 1.0).sqrt();
+    let beside = |i: usize, j: usize| if i.abs_diff(j) == 1 { coefficient(i.max(j) as f64) } else { 0.0 };
+    let eigen = DMatrix::from_fn(nodes, nodes, beside).symmetric_eigen();
+    let weights = (0..nodes).map(|column| eigen.eigenvectors[(0, column)].powi(2));
+    let mut rule: Vec<(f64, f64)> =
+        eigen.eigenvalues.iter().map(|node| f64::midpoint(1.0, *node)).zip(weights).collect();
+    rule.sort_by(|l, r| l.0.total_cmp(&r.0));
+    rule
 }

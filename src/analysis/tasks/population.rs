@@ -18,7 +18,7 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 use super::{
-    model::{Estimate, Model, Point, Posterior, Priors, ln_likelihood},
+    model::{Estimate, Model, Point, Posterior, Priors, ln_binomial},
     numeric::{curvature, highest},
 };
 use crate::statistics::{Interval, holm, mean_and_sd, t_quantile, t_two_sided};
@@ -140,7 +140,7 @@ impl Answers<'_> {
         // A population without differences is a narrow one.
         let sd = x[SD].abs().max(1e-4 * at.width);
         let ln_likelihood =
-            |threshold: f64| ln_likelihood(self.model, &self.people[person], &Estimate { threshold, ..at });
+            |threshold: f64| ln_binomial(self.model, &self.people[person], &Estimate { threshold, ..at });
         let ln_normal = |threshold: f64| -((threshold - at.threshold) / sd).powi(2) / 2.0;
         let start = self.starts[person].clamp(at.threshold - 5.0 * sd, at.threshold + 5.0 * sd);
         let (peak, scale) = peak(&ln_likelihood, at.threshold, sd, at.width, start);

@@ -13,8 +13,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Binomial, Distribution as _};
 use serde::Serialize;
 
-use super::model::Posterior;
 pub use super::model::{Estimate, Guess, Model, Point};
+use super::model::{Posterior, THRESHOLD, WIDTH};
 use crate::{statistics::Interval, system::checkpoint};
 
 /// A fitted psychometric function.
@@ -53,8 +53,8 @@ pub fn estimate(points: &[Point], model: &Model) -> Result<Estimate, &'static st
     Ok(Posterior::new(points, model)?.most_probable())
 }
 
-/// Fits a psychometric function. The intervals lie between quantiles of 60,000 draws from the posterior density, whose
-/// limits vary by about 2 % of an interval.
+/// Fits a psychometric function. The intervals are integrals of the posterior density over a grid that covers the
+/// region in which the density is not negligible.
 ///
 /// # Errors
 ///
@@ -63,15 +63,17 @@ pub fn fit(points: &[Point], model: &Model) -> Result<Fit, &'static str> {
     let posterior = Posterior::new(points, model)?;
     let maxima = posterior.maxima();
     let estimate = posterior.at(&maxima[0].1);
-    let draws = posterior.draws(&maxima);
-    let interval = |of: &dyn Fn(&Estimate) -> f64| central(draws.iter().map(of).collect());
-    let slope = |one: &Estimate| model.slope_at_threshold(one.width, one.lapse, one.guess);
+    let masses = posterior.masses(&maxima);
+    // The slope is that of width 1, divided by the relative width.
+    let steepest = model.slope_at_threshold(1.0, 0.0, 0.0).abs();
+    let relative = exp(masses.relative_width());
+    let slope = Interval { low: steepest / relative.high, high: steepest / relative.low };
     Ok(Fit {
         estimate,
-        threshold: interval(&|one| one.threshold),
-        width: interval(&|one| one.width),
-        slope: slope(&estimate),
-        slope_interval: interval(&slope),
+        threshold: masses.interval(THRESHOLD),
+        width: exp(masses.interval(WIDTH)),
+        slope: model.slope_at_threshold(estimate.width, estimate.lapse, estimate.guess),
+        slope_interval: if model.falls { slope.scaled(-1.0) } else { slope },
         range: posterior.priors.range,
     })
 }
@@ -133,9 +135,6 @@ fn deviance(points: &[Point], model: &Model, at: &Estimate) -> f64 {
     terms.sum()
 }
 
-/// Returns the interval that contains the middle 95 % of the values.
-fn central(mut values: Vec<f64>) -> Interval {
-    values.sort_by(f64::total_cmp);
-    let [low, high] = [0.025, 0.975].map(|share| values[(share * (values.len() - 1) as f64).round() as usize]);
-    Interval { low, high }
+fn exp(interval: Interval) -> Interval {
+    Interval { low: interval.low.exp(), high: interval.high.exp() }
 }
