@@ -17,7 +17,11 @@ use crate::{
     },
     experiment::Protocol,
     report::document::numbers::count,
-    store::{definition::BUILT_IN, session::overview::SessionState},
+    store::{
+        definition::{self, BUILT_IN},
+        draft::Draft,
+        session::overview::SessionState,
+    },
     system::found,
 };
 
@@ -59,8 +63,11 @@ impl Studies {
                     });
                 }
                 if !is_built_in && quiet(ui, Icon::Edit, word("Edit"), "Edit").clicked() {
-                    let name = checked.protocol.as_ref().map_or("", |protocol| &protocol.name);
-                    next = Some(Destination::Editor(experiment.clone(), Some(self.sessions.of(name).count())));
+                    // A definition with errors may have sessions, too.
+                    let text = definition::text(Path::new(&experiment));
+                    let draft = text.and_then(|text| Draft::parse(&experiment, &text));
+                    let name = draft.ok().and_then(|draft| draft.get("name")).unwrap_or_default();
+                    next = Some(Destination::Editor(experiment.clone(), Some(self.sessions.of(&name).count())));
                 }
                 if quiet(ui, Icon::Plus, word("Duplicate as…"), "Duplicate as…").clicked() {
                     next = Some(Destination::Editor(experiment.clone(), None));

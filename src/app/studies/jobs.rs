@@ -9,7 +9,7 @@ use std::{
     },
 };
 
-use anyhow::ensure;
+use anyhow::{anyhow, ensure};
 use eframe::egui::{Context, Ui};
 
 use crate::{
@@ -122,7 +122,7 @@ pub struct Job {
     /// What it does, as the beginning of a sentence.
     pub what: &'static str,
     state: Arc<State>,
-    work: BackgroundTask<Result<Made, String>>,
+    work: BackgroundTask<anyhow::Result<Made>>,
     /// Whether it writes files, so that it must come to its end.
     writes: bool,
     /// The folder in which it leaves what it has made if it is stopped.
@@ -138,7 +138,7 @@ impl Job {
     ) -> Self {
         let state = Arc::<State>::default();
         let watcher = state.clone();
-        let compute = move || run(&*watcher).map_err(|error| error.to_string());
+        let compute = move || run(&*watcher);
         let work = if writes { BackgroundTask::start(ctx, compute) } else { BackgroundTask::stoppable(ctx, compute) };
         Self { what, state, work, writes, folder: None }
     }
@@ -176,13 +176,13 @@ impl Job {
     }
 
     /// Returns what the job made, once it is done.
-    pub fn poll(&self) -> Option<Result<Made, String>> {
+    pub fn poll(&self) -> Option<anyhow::Result<Made>> {
         let is_left = !self.writes && self.state.stopped.load(Ordering::Relaxed);
-        let made = if is_left { Ok(Err(STOPPED.to_owned())) } else { self.work.poll()? };
-        let made = made.unwrap_or_else(|Lost| Err("It ended without a result.".to_owned()));
+        let made = if is_left { Ok(Err(anyhow!(STOPPED))) } else { self.work.poll()? };
+        let made = made.unwrap_or_else(|Lost| Err(anyhow!("It ended without a result.")));
         let kept = self.folder.as_ref().map(|folder| format!(" What was made is in {}.", folder.display()));
         Some(match made {
-            Err(error) if error == STOPPED => {
+            Err(error) if error.to_string() == STOPPED => {
                 Ok(Made::Told(format!("{} was stopped.{}", self.what, kept.unwrap_or_default())))
             }
             made => made,

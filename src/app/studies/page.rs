@@ -31,6 +31,7 @@ use crate::{
         session::overview::SessionState,
         settings::{Settings, remember},
     },
+    work::RequestError,
 };
 
 /// Width of the list of studies, and of the column of cards, points: in a wide window, and in a narrower one.
@@ -90,6 +91,8 @@ pub struct Studies {
     pub(super) thumbnails: Thumbnails,
     pub(super) open: Option<Open>,
     pub(super) job: Option<Job>,
+    /// The dialog that started the job.
+    asked: Option<Box<RequestForm>>,
     /// What the last check found.
     pub(super) found: FilesChecked,
     /// Why the last session that was chosen could not be resumed.
@@ -271,7 +274,7 @@ impl Studies {
                 Step::Stay => Some(Open::Request(form)),
                 Step::Back => None,
                 Step::Next(job) => {
-                    self.job = Some(job);
+                    (self.job, self.asked) = (Some(job), Some(form));
                     None
                 }
             },
@@ -337,9 +340,19 @@ impl Studies {
         let job = self.job.as_ref()?;
         let (made, warnings) = (job.poll()?, job.warnings());
         (self.job, self.error) = (None, None);
+        let asked = self.asked.take();
         warnings.into_iter().for_each(|warning| ui::complain(ctx, warning));
         match made {
-            Err(error) => ui::complain(ctx, error),
+            Err(error) => {
+                let (told, request) = (error.to_string(), error.downcast::<RequestError>().ok());
+                let mut asked = asked.filter(|_| self.open.is_none());
+                // The dialog opens again with what was entered.
+                if asked.as_mut().zip(request).is_some_and(|(form, request)| form.refuse(request)) {
+                    self.open = asked.map(Open::Request);
+                } else {
+                    ui::complain(ctx, told);
+                }
+            }
             Ok(Made::Checked(found)) => {
                 let sessions = count(found.sessions as u64, "session");
                 found.errors.iter().rev().for_each(|error| ui::complain(ctx, error));

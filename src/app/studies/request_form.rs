@@ -108,6 +108,14 @@ impl RequestForm {
         if closed { Step::Back } else { step }
     }
 
+    /// Shows an error that was found after the dialog had closed; returns true if it is that of a field.
+    pub fn refuse(&mut self, error: RequestError) -> bool {
+        let is_of = |field: &Shown| error.field.as_deref() == Some(field.argument.get_id().as_str());
+        let is_shown = self.fields.iter().any(is_of);
+        (self.error, self.is_new) = (Some(error), true);
+        is_shown
+    }
+
     fn start(&self, ctx: &Context) -> Result<Job, RequestError> {
         let mut given = self.given.clone();
         given.extend(self.fields.iter().map(|field| (field.argument.get_id().to_string(), field.json())));

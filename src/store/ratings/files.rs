@@ -269,6 +269,9 @@ const MAX_LABELS: usize = 2;
 /// Maximum number of bytes of the header row. A table with a thousand columns has about 10,000.
 const MAX_HEAD: u64 = 1 << 16;
 
+/// Maximum size of a table in bytes. Larger ones come as counts.
+const MAX_TABLE: u64 = 4 << 30;
+
 /// Maximum size, in bytes, of a file for which a hash is reported.
 const MAX_HASHED: usize = 64 << 20;
 
@@ -305,7 +308,7 @@ impl Header {
     /// # Errors
     /// The file is not readable, is empty, or is not a table.
     pub fn read(path: &Path) -> Result<Self, StoreError> {
-        let bytes = read_regular(path, u64::MAX).map_err(io(path, "read"))?;
+        let bytes = read_regular(path, MAX_TABLE).map_err(io(path, "read"))?;
         let sha256 = (bytes.len() <= MAX_HASHED).then(|| file::sha256(&bytes));
         let text = converted(bytes).map_err(|message| FileErrors::whole(path, message))?;
         let mut header = Self { sha256, text, line: 1, ..Self::default() };
