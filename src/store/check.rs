@@ -64,8 +64,9 @@ pub fn check_large(name_or_path: impl AsRef<Path>, pixels: u64) -> Result<Checke
         let session = check_session(&csv)?;
         return Ok(Checked { sentence: format!("frames of a {}", session.sentence), ..session });
     }
+    let is_named_like_data = dataset::identity(path).is_ok();
     let checked = match path.extension().and_then(|extension| extension.to_str()) {
-        Some("csv") if dataset::identity(path).is_ok() && exists(path)? => check_session(path)?,
+        Some("csv") if is_named_like_data && exists(path)? => check_session(path)?,
         Some("csv") => match column_names(path)?.first().map(String::as_str) {
             Some("channel") => check_readings(path)?,
             Some("event") => format!("{} visual matches of a display", matches::open(path)?.len()).into(),
