@@ -39,14 +39,14 @@ pub struct Sensitivity {
 impl Default for Sensitivity {
     fn default() -> Self {
         Self {
-            gain: 321.2,
-            fine_cpd: 0.4016,
-            fine_power: 0.5501,
-            coarse_power: 1.823,
-            pooling: 2.286,
-            fovea_deg: 0.1702,
-            fovea_power: 0.2984,
-            bright_power: 0.1302,
+            gain: 329.5,
+            fine_cpd: 0.388,
+            fine_power: 0.5471,
+            coarse_power: 1.836,
+            pooling: 2.287,
+            fovea_deg: 0.1696,
+            fovea_power: 0.2977,
+            bright_power: 0.1294,
         }
     }
 }
@@ -109,7 +109,7 @@ impl Default for Masking {
     /// Thorell 1982, Vis. Res. 22:545). `half` is the peak response to ModelFest's Gabor of 4 cycles per degree at its
     /// measured threshold, which `cargo run --release -p tools -- thresholds` derives.
     fn default() -> Self {
-        Self { adaptation_deg: 0.5, ratio: 0.65, half: 1.814 }
+        Self { adaptation_deg: 0.5, ratio: 0.65, half: 1.816 }
     }
 }
 
