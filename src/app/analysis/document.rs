@@ -28,6 +28,15 @@ enum BlockView {
     Figure(Box<FigureView>),
 }
 
+impl BlockView {
+    fn table(&self) -> Option<&TableView> {
+        match self {
+            Self::Table(table) => Some(table),
+            _ => None,
+        }
+    }
+}
+
 impl DocumentView {
     /// Creates a view of a document that has not been drawn yet.
     pub fn new(document: Document) -> Self {
@@ -44,8 +53,24 @@ impl DocumentView {
         Self { sections: document.sections.into_iter().map(section).collect() }
     }
 
+    /// Sorts the tables as those of an earlier view.
+    pub fn sorted_like(mut self, earlier: &Self) -> Self {
+        for section in &mut self.sections {
+            let same = earlier.sections.iter().find(|earlier| earlier.id == section.id);
+            let blocks = same.into_iter().flat_map(|earlier| &earlier.blocks);
+            let old: Vec<&TableView> = blocks.filter_map(BlockView::table).collect();
+            let tables = section.blocks.iter_mut().filter_map(|block| match block {
+                BlockView::Table(table) => Some(table),
+                _ => None,
+            });
+            tables.zip(old).for_each(|(table, old)| table.sort_like(old));
+        }
+        self
+    }
+
     /// Shows the images of an earlier view until the new ones are ready.
     pub fn after(mut self, earlier: Self) -> Self {
+        self = self.sorted_like(&earlier);
         let blocks = earlier.sections.into_iter().flat_map(|section| section.blocks);
         for earlier in blocks {
             let BlockView::Figure(earlier) = earlier else { continue };

@@ -113,7 +113,12 @@ impl OpenStudy {
             self.state = State::Done;
             match result {
                 Ok(Some((_, document))) if is_draft => {
-                    self.draft = Some(DocumentView::new(document));
+                    let draft = DocumentView::new(document);
+                    let earlier = self.shown.as_ref().map(|(_, view)| view);
+                    self.draft = Some(match earlier {
+                        Some(earlier) => draft.sorted_like(earlier),
+                        None => draft,
+                    });
                     self.start(ctx, false);
                 }
                 Ok(Some((outcome, document))) => {
@@ -235,7 +240,8 @@ impl Opened for OpenStudy {
             && matches!(self.state, State::Running { .. } | State::Stopped)
         {
             if DRAFTED.contains(&section) {
-                return draft.show(ui, section);
+                // In a scope as below, so that the page keeps its place.
+                return ui.scope(|ui| draft.show(ui, section)).inner;
             }
             if self.shown.is_none() {
                 draft.summary(ui, true);

@@ -28,6 +28,16 @@ impl TableView {
         Self { table, widths: Vec::new(), sorted: None }
     }
 
+    /// Sorts the rows as those of an earlier table of this kind.
+    pub fn sort_like(&mut self, earlier: &Self) {
+        if let Some((column, down)) = earlier.sorted.filter(|_| earlier.table.header == self.table.header) {
+            self.sort(column);
+            if down {
+                self.sort(column);
+            }
+        }
+    }
+
     /// Draws the table at its full height.
     pub fn show(&mut self, ui: &mut egui::Ui, id: usize) {
         ui.add_space(6.0);
@@ -62,7 +72,10 @@ impl TableView {
             let head = Rect::from_min_size(egui::pos2(rect.left(), top), Vec2::new(rect.width(), height));
             let ink = theme::ink(ui);
             if top > rect.top() {
-                ui.painter().rect_filled(head, 0.0, ink.page);
+                // The names also cover the rows of a table that is dimmed.
+                let mut painter = ui.painter().clone();
+                painter.set_opacity(1.0);
+                painter.rect_filled(head, 0.0, ink.page);
             }
             ui.painter().hline(head.x_range(), head.bottom(), egui::Stroke::new(1.0, ink.dim));
             self.header(ui, head, height)

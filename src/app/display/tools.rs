@@ -19,6 +19,7 @@ use crate::{
         today, tool_page,
     },
     display::{DisplayProfile, Viewing, geometry::distance_cm},
+    report::names::capitalized,
 };
 
 #[derive(Default)]
@@ -128,7 +129,11 @@ impl Display {
     /// Draws the width of the screen and the distance from which it is seen, and says how large that makes a degree.
     fn size_fields(&mut self, ui: &mut egui::Ui, monitor: &Monitor, fields: &mut ScreenFields, window_deg: f64) {
         let reported_cm = *self.reported_cm.get_or_insert_with(|| Platform::of(monitor).width_cm);
-        Field::new("Screen width, cm").column(LABELS).show(ui, |ui, label| {
+        let of_width = fields.screen(monitor).err().unwrap_or_default();
+        let found = fields.viewing(monitor);
+        let of_distance = found.as_ref().err().filter(|_| of_width.is_empty()).map_or("", String::as_str);
+        let [of_width, of_distance] = [&*of_width, of_distance].map(capitalized);
+        Field::new("Screen width, cm").column(LABELS).slot().error(&of_width).show(ui, |ui, label| {
             ui.horizontal_wrapped(|ui| {
                 CardHelper::field(&mut self.card, ui, label, fields, monitor);
                 let Some(reported) = reported_cm.map(|cm| format!("{cm:.1}")) else { return };
@@ -139,15 +144,16 @@ impl Display {
                 }
             });
         });
-        Field::new("Viewing distance, cm").column(LABELS).width(90.0).text(ui, &mut fields.distance_cm);
+        let field = Field::new("Viewing distance, cm").column(LABELS).width(90.0);
+        field.slot().error(&of_distance).text(ui, &mut fields.distance_cm);
         // What the fields say has the same room, whatever it is.
         let ink = ink(ui);
-        let (told, color) = match fields.viewing(monitor) {
+        let (told, color) = match found {
             Ok(viewing) if fields.width_is_assumed() => {
                 (format!("{}. {}", monitor.assumption(), size_sentence(&viewing, window_deg)), ink.warn)
             }
             Ok(viewing) => (size_sentence(&viewing, window_deg), ink.dim),
-            Err(error) => (error, ink.bad),
+            Err(_) => (String::new(), ink.dim),
         };
         text::two_lines(ui, &told, color, 3);
     }
