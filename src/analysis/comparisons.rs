@@ -18,8 +18,6 @@ pub struct Scale {
     pub groups: Vec<Vec<usize>>,
     /// The standard errors of the values, in the same unit, if one person had made all comparisons.
     pub errors: Vec<f64>,
-    /// The logarithm of the likelihood.
-    pub log_likelihood: f64,
     /// Whether the values of a group are limited by a weak prior, because some items were always or never chosen over all
     /// others (Ford 1957), so that the most likely values are infinite.
     pub is_limited: bool,
@@ -58,7 +56,7 @@ impl Scaling {
     pub fn fit(self, wins: &Wins) -> Option<Scale> {
         let (groups, mut values) = (groups(wins), vec![f64::NAN; wins.nrows()]);
         let mut errors = values.clone();
-        let (mut log_likelihood, mut is_limited) = (0.0, false);
+        let mut is_limited = false;
         for group in &groups {
             let own = wins.select_rows(group).select_columns(group);
             let is_connected = is_connected(&own);
@@ -71,10 +69,9 @@ impl Scaling {
                 values[*item] = (mode.values[i] - mean) / self.jnd();
                 errors[*item] = covariance[(i, i)].max(0.0).sqrt() / self.jnd();
             }
-            log_likelihood += mode.log_likelihood;
             is_limited |= !is_connected;
         }
-        (!groups.is_empty()).then_some(Scale { values, groups, errors, log_likelihood, is_limited })
+        (!groups.is_empty()).then_some(Scale { values, groups, errors, is_limited })
     }
 
     /// Returns the 95 % interval of each scale value, for people like these: the standard error is that of `draws` studies

@@ -528,6 +528,9 @@ fn unconnected_comparisons_have_scales_of_their_own() {
         assert!(values.sum::<f64>().abs() < 1e-9 && pair[0]["group"] == pair[1]["group"], "{rows:?}");
     }
     assert_ne!(rows[0]["group"], rows[2]["group"]);
+    // The scale of all people comes first, and then that of each.
+    let people: Vec<&str> = rows.iter().step_by(4).map(|row| &*row["subject_id"]).collect();
+    assert_eq!(people, ["", "S001", "S002", "S003", "S004"]);
 }
 
 /// The rows of a session are not answers at levels: practice and catch trials and earlier attempts are among them.

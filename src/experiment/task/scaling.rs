@@ -29,22 +29,20 @@ pub struct Mode {
     pub values: DVector<f64>,
     /// The negative of the second derivatives of the log posterior there.
     pub information: DMatrix<f64>,
-    /// The logarithm of the likelihood, without the priors.
-    pub log_likelihood: f64,
 }
 
 impl Scaling {
-    /// Returns ln P of a difference, its derivative, and the negative of its second derivative.
-    fn log_probability(self, d: f64) -> [f64; 3] {
+    /// Returns the derivative of ln P of a difference, and the negative of its second derivative.
+    fn slope(self, d: f64) -> [f64; 2] {
         match self {
             Self::Thurstone => {
                 let p = Curve::Normal.sigmoid(d).max(f64::MIN_POSITIVE);
                 let ratio = (-0.5 * d * d).exp() / (2.0 * std::f64::consts::PI).sqrt() / p;
-                [p.ln(), ratio, ratio * (d + ratio)]
+                [ratio, ratio * (d + ratio)]
             }
             Self::BradleyTerry => {
                 let p = Curve::Logistic.sigmoid(d);
-                [-(-d).exp().ln_1p(), 1.0 - p, p * (1.0 - p)]
+                [1.0 - p, p * (1.0 - p)]
             }
         }
     }
@@ -66,9 +64,7 @@ impl Scaling {
             }
         }
         let information = self.derivatives(wins, &values, precision).1;
-        let each = compared(wins).map(|(i, j, n)| n * self.log_probability(values[i] - values[j])[0]);
-        let log_likelihood = each.sum();
-        Some(Mode { values, information, log_likelihood })
+        Some(Mode { values, information })
     }
 
     /// Returns the gradient of the log posterior and the negative of its second derivatives.
@@ -76,7 +72,7 @@ impl Scaling {
         let items = values.len();
         let (mut gradient, mut information) = (values * -precision, DMatrix::identity(items, items) * precision);
         for (i, j, n) in compared(wins) {
-            let [_, slope, curvature] = self.log_probability(values[i] - values[j]);
+            let [slope, curvature] = self.slope(values[i] - values[j]);
             gradient[i] += n * slope;
             gradient[j] -= n * slope;
             for (a, b, sign) in [(i, i, 1.0), (j, j, 1.0), (i, j, -1.0), (j, i, -1.0)] {

@@ -207,21 +207,16 @@ fn comparisons(study: &TaskStudy, found: &Comparisons, figures: &[Figure]) -> Se
         .number("95 % interval", |item| range(interval(*item), |end| fixed(end, 2)))
         .number("Bradley–Terry", |item| fixed(bradley_terry.values[*item], 2))
         .add_to(&mut section);
-    section.text(format!(
-        "The log-likelihood is {} for Thurstone’s Case V and {} for the model of Bradley and Terry. {}",
-        fixed(thurstone.log_likelihood, 1),
-        fixed(bradley_terry.log_likelihood, 1),
-        if found.intervals.is_some() {
-            "Intervals are those of the mean of a population like this sample: their standard error comes from 1,000 studies whose people are \
-             drawn with replacement, and their width from the t distribution. They are at least as wide as if one participant had made all \
-             comparisons."
-        } else {
-            "There are no intervals: they need at least two participants, and with fewer than five, each participant’s own comparisons must \
-             determine a scale."
-        }
-    ));
-    let span = |own: &Option<Scale>| {
-        own.as_ref().and_then(|own| own.groups.iter().map(|group| own.span(group)).reduce(f64::max))
+    section.text(if found.intervals.is_some() {
+        "Intervals are those of the mean of a population like this sample: their standard error comes from 1,000 studies whose people are \
+         drawn with replacement, and their width from the t distribution. They are at least as wide as if one participant had made all \
+         comparisons."
+    } else {
+        "There are no intervals: they need at least two participants, and with fewer than five, each participant’s own comparisons must \
+         determine a scale."
+    });
+    let span = |own: &Option<[Scale; 2]>| {
+        own.as_ref().and_then(|[own, _]| own.groups.iter().map(|group| own.span(group)).reduce(f64::max))
     };
     let rows: Vec<_> = study.people.iter().zip(&found.triads).zip(&found.own).collect();
     TableOf::new("Contradictions of each participant", &rows)

@@ -66,8 +66,8 @@ pub struct Comparisons {
     pub scales: [Scale; 2],
     /// The 95 % intervals of Thurstone's scale.
     pub intervals: Option<Vec<Interval>>,
-    /// Each person's own scale.
-    pub own: Vec<Option<Scale>>,
+    /// Each person's own scale by both models.
+    pub own: Vec<Option<[Scale; 2]>>,
     /// Each person's contradictions.
     pub triads: Vec<Triads>,
 }
@@ -187,9 +187,10 @@ fn comparisons(study: &TaskStudy, seed: u64) -> Option<Comparisons> {
         people[*person][(*winner, *loser)] += 1.0;
     }
     let all: Wins = people.iter().sum();
-    let scales = [Scaling::Thurstone.fit(&all)?, Scaling::BradleyTerry.fit(&all)?];
+    let fit = |wins: &Wins| Some([Scaling::Thurstone.fit(wins)?, Scaling::BradleyTerry.fit(wins)?]);
+    let scales = fit(&all)?;
     let intervals = Scaling::Thurstone.intervals(&people, SIMULATIONS, &mut ChaCha8Rng::seed_from_u64(seed));
-    let own = people.iter().map(|wins| Scaling::Thurstone.fit(wins)).collect();
+    let own = people.iter().map(fit).collect();
     let triads = people.iter().map(Triads::of).collect();
     Some(Comparisons { people, scales, intervals, own, triads })
 }

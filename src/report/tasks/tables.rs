@@ -146,18 +146,34 @@ fn comparisons(study: &TaskStudy, found: &Comparisons) -> Table {
         .table()
 }
 
+/// A row of a scale: a person, if it is not that of all people, the condition, its value by either model, and its group.
+type OfScale = (Option<usize>, usize, [f64; 2], Option<usize>);
+
+/// Returns the scale of all people and, if there are several, each person's own.
 fn scale(study: &TaskStudy, found: &Comparisons) -> Table {
-    let [thurstone, bradley_terry] = &found.scales;
-    let rows: Vec<usize> = (0..thurstone.values.len()).collect();
-    let interval = |item: &usize| Some(found.intervals.as_ref()?[*item]);
-    let group = |item: &usize| Some(thurstone.groups.iter().position(|group| group.contains(item))? + 1);
-    with_levels(study, Rows::new(&rows), |item| *item)
-        .column("thurstone", "Scale value of Thurstone's Case V, all people.", |item| thurstone.values[*item])
-        .column("low", "Lower end of its 95 % interval over people.", |item| Some(interval(item)?.low))
-        .column("high", "Upper end of its 95 % interval over people.", |item| Some(interval(item)?.high))
-        .column("bradley_terry", "Scale value of the model of Bradley and Terry.", |item| bradley_terry.values[*item])
+    const THURSTONE: &str =
+        "Scale value of Thurstone's Case V. A weak prior limits that of conditions that were always or never chosen.";
+    let own = found.own.iter().enumerate().filter(|_| found.own.len() > 1);
+    let own = own.filter_map(|(person, scales)| Some((Some(person), scales.as_ref()?)));
+    let mut rows: Vec<OfScale> = Vec::new();
+    for (person, [thurstone, bradley_terry]) in std::iter::once((None, &found.scales)).chain(own) {
+        for item in 0..study.asked.conditions.len() {
+            let group = thurstone.groups.iter().position(|group| group.contains(&item)).map(|group| group + 1);
+            let values = [thurstone, bradley_terry].map(|scale| scale.values[item]);
+            rows.extend((person.is_none() || group.is_some()).then_some((person, item, values, group)));
+        }
+    }
+    let interval = |(person, item, ..): &OfScale| Some(found.intervals.as_ref().filter(|_| person.is_none())?[*item]);
+    with_levels(study, Rows::new(&rows), |(_, item, ..)| *item)
+        .column("thurstone", THURSTONE, |(_, _, [value, _], _)| *value)
+        .column("low", "Lower end of its 95 % interval over people.", |row| Some(interval(row)?.low))
+        .column("high", "Upper end of its 95 % interval over people.", |row| Some(interval(row)?.high))
+        .column("bradley_terry", "Scale value of the model of Bradley and Terry.", |(_, _, [_, value], _)| *value)
         .in_unit("JND", 4)
-        .column("group", "Only values of the same group can be compared.", group)
+        .column("group", "Only values of the same group can be compared.", |(.., group)| *group)
+        .column("subject_id", "Participant; empty for the scale of all.", |(person, ..)| {
+            person.map(|person| study.people[person].as_str())
+        })
         .table()
 }
 
