@@ -5,7 +5,7 @@ use std::io::Read as _;
 
 use flate2::read::ZlibDecoder;
 
-/// Most bytes of a file, and of a variable that is unpacked.
+/// Most bytes of a file, and of all that is unpacked from it.
 pub(super) const MAX_BYTES: u64 = 32 << 20;
 /// How deep cells and structures may stand in each other.
 const MAX_DEPTH: usize = 16;
@@ -60,15 +60,14 @@ pub(super) fn variables(bytes: &[u8]) -> Result<Value, String> {
         (Some(b"MI"), Some(content)) => (true, content),
         _ => return Err(DAMAGED.to_owned()),
     };
-    let (mut elements, mut found) = (Elements { rest: content, is_big }, Vec::new());
+    let (mut elements, mut found, mut left) = (Elements { rest: content, is_big }, Vec::new(), MAX_BYTES);
     while !elements.rest.is_empty() {
         let (kind, data) = elements.next()?;
         let mut unpacked = Vec::new();
         let (kind, data) = if kind == COMPRESSED {
-            let read = ZlibDecoder::new(data).take(MAX_BYTES + 1).read_to_end(&mut unpacked);
-            if read.map_err(|_| DAMAGED)? as u64 > MAX_BYTES {
-                return Err(format!("has a variable of more than {} MiB; expected a calibration", MAX_BYTES >> 20));
-            }
+            let read = ZlibDecoder::new(data).take(left + 1).read_to_end(&mut unpacked).map_err(|_| DAMAGED)? as u64;
+            let unpacks_to_more = || format!("unpacks to more than {} MiB; expected a calibration", MAX_BYTES >> 20);
+            left = left.checked_sub(read).ok_or_else(unpacks_to_more)?;
             Elements { rest: &unpacked, is_big }.next()?
         } else {
             (kind, data)
