@@ -1,10 +1,10 @@
-//! Panels with values on the vertical axis and either numbers or the levels of a factor on the horizontal axis. Ticks
-//! are at round numbers.
+//! Charts with values on the vertical axis, either numbers or the levels of a factor on the horizontal axis, and a legend
+//! beside them. Ticks are at round numbers.
 
 use super::{
     labels::{self, TEXT},
     palette::{AXIS, GRID, Series},
-    svg::{Anchor, Font, Svg, WIDTH},
+    svg::{Anchor, Figure, Font, Svg, WIDTH},
 };
 use crate::{
     analysis::{
@@ -17,13 +17,15 @@ use crate::{
 /// Radius of a marker.
 pub(super) const MARKER: f64 = 8.0;
 /// Height of a panel in a chart of column width.
-pub(super) const PANEL: f64 = 380.0;
+const PANEL: f64 = 380.0;
 /// Free space at the edges of a chart: half a line of text, for a tick at the end of an axis.
 pub(super) const EDGE: f64 = 22.0;
+/// The top of a panel is at the edge.
+const BOTTOM: f64 = EDGE + PANEL;
 /// Length of a tick.
 const TICK: f64 = 8.0;
 /// Maximum width of a category's name at a tick.
-const MAX_NAME: f64 = 170.0;
+const MAX_NAME: f64 = 200.0;
 /// Maximum length of a level's name that is rotated below a tick.
 const MAX_UPRIGHT: f64 = 250.0;
 /// Maximum width of a name beside a panel.
@@ -36,14 +38,41 @@ const SAMPLE: f64 = 56.0;
 const BELOW: Font = Font { below: true, ..Font::new(Anchor::Middle) };
 /// Maximum number of ticks without a name.
 const MAX_TICKS: usize = 40;
+/// Maximum number of round numbers on a horizontal axis.
+const MAX_NUMBERS: usize = 8;
+
+/// Draws a chart: its axes with their titles, its marks and its legend. The legend has a heading, which may be empty, the series
+/// and their names, and lines if the last value is true.
+pub(super) fn chart(
+    name: &'static str,
+    texts: [String; 2],
+    (values, of_values): (Values, &str),
+    (levels, of_levels): (&Levels, &str),
+    (heading, series, lined): (&str, &[(Series, &str)], bool),
+    marks: impl FnOnce(&mut Svg, &Panel),
+) -> Figure {
+    // A number at the end of an axis is wider than a tick.
+    let overhang = if levels.has_grid { EDGE + TEXT } else { EDGE };
+    let panel = Panel {
+        left: EDGE + 1.3 * TEXT + values.widest() + TICK + 8.0,
+        right: WIDTH - overhang - beside(heading, series),
+        low: values.low,
+        high: values.high,
+    };
+    let height = BOTTOM + levels.below(panel.width());
+    Figure::draw(name, texts, height, |svg| {
+        values.draw(svg, &panel, of_values);
+        levels.draw(svg, &panel, of_levels);
+        marks(svg, &panel);
+        legend(svg, &panel, heading, series, lined);
+    })
+}
 
 /// A rectangle in which values are drawn.
 #[derive(Clone, Copy)]
 pub(super) struct Panel {
     pub left: f64,
     pub right: f64,
-    pub top: f64,
-    pub bottom: f64,
     /// The value at the bottom.
     pub low: f64,
     /// The value at the top.
@@ -58,7 +87,7 @@ impl Panel {
 
     /// Returns the y coordinate of a value.
     pub fn y(&self, value: f64) -> f64 {
-        self.bottom - (value - self.low) / (self.high - self.low) * (self.bottom - self.top)
+        BOTTOM - (value - self.low) / (self.high - self.low) * PANEL
     }
 
     pub fn width(&self) -> f64 {
@@ -94,53 +123,35 @@ impl Values {
         Self { low, high, ticks: ticks(low, high, 6).into_iter().map(|value| (value, plain(value))).collect() }
     }
 
-    /// Creates a panel with this axis.
-    pub fn panel(&self, left: f64, right: f64, top: f64, height: f64) -> Panel {
-        Panel { left, right, top, bottom: top + height, low: self.low, high: self.high }
-    }
-
-    /// Returns the space that the axis and its title need to the left of the panel.
-    pub fn margin(&self) -> f64 {
-        EDGE + 1.3 * TEXT + self.widest() + TICK + 8.0
-    }
-
     fn widest(&self) -> f64 {
         let widths = self.ticks.iter().map(|(_, name)| labels::width(name).min(MAX_NAME));
         widths.fold(0.0, f64::max)
     }
 
-    /// Draws grid lines, ticks and a title. Without a title, the values are omitted too, because the panel to the left
-    /// shows them.
-    pub fn draw(&self, svg: &mut Svg, panel: &Panel, title: Option<&str>) {
+    /// Draws grid lines, ticks and a title.
+    fn draw(&self, svg: &mut Svg, panel: &Panel, title: &str) {
         for (value, name) in &self.ticks {
             let y = panel.y(*value);
             svg.line(&[(panel.left, y), (panel.right, y)], GRID);
             svg.line(&[(panel.left - TICK, y), (panel.left, y)], AXIS);
-            if title.is_some() {
-                let name = labels::fit(name, MAX_NAME);
-                svg.text(&name, (panel.left - TICK - 8.0, y), Font::new(Anchor::End));
-            }
+            svg.text(&labels::fit(name, MAX_NAME), (panel.left - TICK - 8.0, y), Font::new(Anchor::End));
         }
-        svg.line(&[(panel.left, panel.top), (panel.left, panel.bottom)], AXIS);
-        if let Some(title) = title {
-            let x = (panel.left - TICK - 8.0 - self.widest() - 0.75 * TEXT).max(EDGE + 0.5 * TEXT);
-            let title = labels::fit(title, panel.bottom - panel.top + 80.0);
-            svg.text(
-                &title,
-                (x, (panel.top + panel.bottom) / 2.0),
-                Font { upright: true, ..Font::new(Anchor::Middle) },
-            );
-        }
+        svg.line(&[(panel.left, EDGE), (panel.left, BOTTOM)], AXIS);
+        let title = labels::fit(title, PANEL + 80.0);
+        let middle = (EDGE + 0.5 * TEXT, EDGE + PANEL / 2.0);
+        svg.text(&title, middle, Font { upright: true, ..Font::new(Anchor::Middle) });
     }
 }
 
-/// The levels of a factor across a panel.
+/// The horizontal axis: the levels of a factor, or round numbers.
 pub(super) struct Levels {
     /// The position of each level, as a proportion of the panel's width.
     pub at: Vec<f64>,
     /// True if a line from one level to the next is meaningful.
     pub ordered: bool,
     pub names: Vec<String>,
+    /// Whether there are vertical grid lines.
+    has_grid: bool,
 }
 
 impl Levels {
@@ -157,7 +168,14 @@ impl Levels {
     /// Spaces names evenly, in order.
     pub fn evenly(names: &[String], ordered: bool) -> Self {
         let at = (0..names.len()).map(|index| (index as f64 + 0.5) / names.len() as f64).collect();
-        Self { at, ordered, names: names.iter().map(|name| labels::level(name)).collect() }
+        Self { at, ordered, names: names.iter().map(|name| labels::level(name)).collect(), has_grid: false }
+    }
+
+    /// Places round numbers on an axis between two ends.
+    pub fn numbers(low: f64, high: f64) -> Self {
+        let numbers = ticks(low, high, MAX_NUMBERS);
+        let at = numbers.iter().map(|value| (value - low) / (high - low)).collect();
+        Self { at, ordered: true, names: numbers.into_iter().map(plain).collect(), has_grid: true }
     }
 
     /// Returns the smallest distance between two levels, as a proportion of the panel's width.
@@ -166,8 +184,8 @@ impl Levels {
     }
 
     /// Returns the space that the names and a title need below a panel of this width.
-    pub fn below(&self, width: f64) -> f64 {
-        below(self.labels(width).2)
+    fn below(&self, width: f64) -> f64 {
+        TICK + 6.0 + self.labels(width).2 + 10.0 + TEXT + EDGE
     }
 
     /// Returns whether the names below a panel of this width are rotated, the names that fit, and their height. If not
@@ -193,20 +211,28 @@ impl Levels {
     }
 
     /// Draws the axis, ticks, names and title below a panel.
-    pub fn draw(&self, svg: &mut Svg, panel: &Panel, title: &str) {
+    fn draw(&self, svg: &mut Svg, panel: &Panel, title: &str) {
         let (upright, names, height) = self.labels(panel.width());
         let font = if upright { Font { upright: true, ..Font::new(Anchor::End) } } else { BELOW };
         for (at, name) in self.at.iter().zip(names) {
-            if name.is_some() || self.at.len() <= MAX_TICKS {
-                tick(svg, panel, *at, name.as_deref().unwrap_or_default(), font);
+            let x = panel.x(*at);
+            if self.has_grid {
+                svg.line(&[(x, EDGE), (x, BOTTOM)], GRID);
             }
+            if name.is_some() || self.at.len() <= MAX_TICKS {
+                svg.line(&[(x, BOTTOM), (x, BOTTOM + TICK)], AXIS);
+            }
+            name.iter().for_each(|name| svg.text(name, (x, BOTTOM + TICK + 6.0), font));
         }
-        base(svg, panel, height, title);
+        svg.line(&[(panel.left, BOTTOM), (panel.right, BOTTOM)], AXIS);
+        let center = panel.x(0.5);
+        let title = labels::fit(title, 2.0 * (center.min(WIDTH - center) - EDGE));
+        svg.text(&title, (center, BOTTOM + TICK + 16.0 + height), BELOW);
     }
 }
 
 /// Returns the space that a legend needs beside a panel; none if there is only one series.
-pub(super) fn beside(heading: &str, series: &[(Series, &str)]) -> f64 {
+fn beside(heading: &str, series: &[(Series, &str)]) -> f64 {
     if series.len() < 2 {
         return 0.0;
     }
@@ -216,13 +242,13 @@ pub(super) fn beside(heading: &str, series: &[(Series, &str)]) -> f64 {
 }
 
 /// Names series beside a panel, unless there is only one; `lined` if they have lines. The heading may be empty.
-pub(super) fn legend(svg: &mut Svg, panel: &Panel, heading: &str, series: &[(Series, &str)], lined: bool) {
+fn legend(svg: &mut Svg, panel: &Panel, heading: &str, series: &[(Series, &str)], lined: bool) {
     if series.len() < 2 {
         return;
     }
     let first = usize::from(!heading.is_empty());
     let pitch = (PANEL / (first + series.len()) as f64).min(1.35 * TEXT);
-    let at = |line: usize| (panel.right + BESIDE, panel.top + 0.5 * TEXT + line as f64 * pitch);
+    let at = |line: usize| (panel.right + BESIDE, EDGE + 0.5 * TEXT + line as f64 * pitch);
     if first > 0 {
         let heading = labels::fit(heading, SAMPLE + MAX_BESIDE);
         svg.text(&heading, at(0), Font { bold: true, ..Font::new(Anchor::Start) });
@@ -230,37 +256,6 @@ pub(super) fn legend(svg: &mut Svg, panel: &Panel, heading: &str, series: &[(Ser
     for (line, (series, name)) in (first..).zip(series) {
         svg.legend_entry(at(line), *series, lined, &labels::fit(name, MAX_BESIDE));
     }
-}
-
-/// Returns the space that names of this height and a title need below a panel.
-pub(super) fn below(height: f64) -> f64 {
-    TICK + 6.0 + height + 10.0 + TEXT + EDGE
-}
-
-/// Draws the line below a panel, and its title below names of the given height.
-fn base(svg: &mut Svg, panel: &Panel, height: f64, title: &str) {
-    svg.line(&[(panel.left, panel.bottom), (panel.right, panel.bottom)], AXIS);
-    let center = panel.x(0.5);
-    let title = labels::fit(title, 2.0 * (center.min(WIDTH - center) - EDGE));
-    svg.text(&title, (center, panel.bottom + TICK + 16.0 + height), BELOW);
-}
-
-fn tick(svg: &mut Svg, panel: &Panel, share: f64, name: &str, font: Font) {
-    let x = panel.x(share);
-    svg.line(&[(x, panel.bottom), (x, panel.bottom + TICK)], AXIS);
-    if !name.is_empty() {
-        svg.text(name, (x, panel.bottom + TICK + 6.0), font);
-    }
-}
-
-/// Draws a numeric axis along the bottom of a panel, with vertical grid lines.
-pub(super) fn number_axis(svg: &mut Svg, panel: &Panel, (low, high): (f64, f64), title: &str) {
-    for value in ticks(low, high, (panel.width() / 80.0) as usize) {
-        let share = (value - low) / (high - low);
-        svg.line(&[(panel.x(share), panel.top), (panel.x(share), panel.bottom)], GRID);
-        tick(svg, panel, share, &plain(value), BELOW);
-    }
-    base(svg, panel, TEXT, title);
 }
 
 /// Returns the positions of numbers, as proportions of the width; `None` if any of them would be too close together.
@@ -294,7 +289,7 @@ fn ticks(low: f64, high: f64, most: usize) -> Vec<f64> {
 }
 
 /// Formats a number without binary rounding noise.
-pub(super) fn plain(value: f64) -> String {
+fn plain(value: f64) -> String {
     labels::level(&((value * 1e6).round() / 1e6 + 0.0).to_string())
 }
 

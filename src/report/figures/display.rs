@@ -2,8 +2,7 @@
 //! calibration; and a coarse picture of a stimulus.
 
 use super::{
-    axes::{EDGE, MARKER, PANEL, Values, below, beside, legend, number_axis},
-    labels::TEXT,
+    axes::{EDGE, Levels, MARKER, Values, chart},
     palette::{BLACK, BLUE, GREEN, Marker, Rgb, Series, Stroke, VERMILION},
     svg::{Figure, WIDTH},
 };
@@ -16,7 +15,7 @@ use crate::{
     experiment::{Factor, Protocol},
     light::{Bits, Quantizer, Transfer},
     report::{
-        document::{Shown, TableOf, TextTable, list},
+        document::{Shown, TableOf, TextTable, fixed, list},
         names,
     },
 };
@@ -31,13 +30,12 @@ pub fn calibration(calibration: &Calibration, family: Family) -> Figure {
         "Luminance by encoded value, with {} readings as markers and the chosen model ({family}) as lines.",
         calibration.readings.all().len(),
     );
-    let light = Values::from_zero(calibration.readings.largest_cd_m2());
-    let channels: Vec<(Series, &str)> =
-        model.channels.iter().map(|own| (series(own.channel), own.channel.name())).collect();
-    let panel = light.panel(light.margin(), WIDTH - EDGE - TEXT - beside("", &channels), EDGE, PANEL);
-    Figure::draw("calibration", "Light of the display".to_owned(), caption, panel.bottom + below(TEXT), |svg| {
-        number_axis(svg, &panel, (0.0, 1.0), "Encoded value");
-        light.draw(svg, &panel, Some("Luminance (cd/m²)"));
+    let channels = model.channels.iter().map(|own| (series(own.channel), own.channel.name()));
+    let channels: Vec<_> = channels.collect();
+    let texts = ["Light of the display".to_owned(), caption];
+    let values = (Values::from_zero(calibration.readings.largest_cd_m2()), "Luminance (cd/m²)");
+    let levels = (&Levels::numbers(0.0, 1.0), "Encoded value");
+    chart("calibration", texts, values, levels, ("", &channels, true), |svg, panel| {
         for FittedChannel { channel, curve, .. } in &model.channels {
             let levels = (0..=STEPS).map(|step| step as f64 / STEPS as f64);
             let points: Vec<_> = levels.map(|v| (panel.x(v), panel.y(curve.cd_m2(v)))).collect();
@@ -46,7 +44,6 @@ pub fn calibration(calibration: &Calibration, family: Family) -> Figure {
         for one in calibration.readings.all() {
             svg.marker((panel.x(one.level), panel.y(one.luminance_cd_m2)), 0.7 * MARKER, series(one.channel));
         }
-        legend(svg, &panel, "", &channels, true);
     })
 }
 
@@ -59,31 +56,18 @@ pub fn calibration_tables(calibration: &Calibration) -> [TextTable; 2] {
         .text("model", |(family, _)| family.name())
         .text("channel", |(_, own)| own.channel.name())
         .number("gamma", |(_, own)| {
-            let se = own.gamma_se.map_or_else(String::new, |se| format!(" ± {se:.4}"));
-            known(own.curve.gamma(), &|gamma| format!("{gamma:.4}{se}"))
+            let (gamma, se) = (fixed(own.curve.gamma(), 4), own.gamma_se);
+            let se = se.map_or_else(String::new, |se| format!(" ± {se:.4}"));
+            Shown::new(gamma.value().clone(), format!("{gamma}{se}"))
         })
-        .number("gain", |(_, own)| known(own.curve.gain_and_offset().map(|both| both.0), &|gain| format!("{gain:.4}")))
-        .number("offset", |(_, own)| {
-            // Adding 0 turns −0 into 0.
-            let text = |offset: f64| format!("{:+.4}", (1e4 * offset).round() / 1e4 + 0.0);
-            known(own.curve.gain_and_offset().map(|both| both.1), &text)
-        })
-        .number("R²", |(_, own)| decimals(own.r_squared, 6))
-        .number("largest codes", |(_, own)| decimals(own.largest_codes, 2));
+        .number("gain", |(_, own)| fixed(own.curve.gain_and_offset().map(|both| both.0), 4))
+        .number("offset", |(_, own)| fixed(own.curve.gain_and_offset().map(|both| both.1), 4))
+        .number("R²", |(_, own)| fixed(own.r_squared, 6))
+        .number("largest codes", |(_, own)| fixed(own.largest_codes, 2));
     let validation = TableOf::new("Leave-one-level-out error", models)
         .text("model", |model| model.family.name())
-        .number("rms codes", |model| decimals(model.validation.rms_codes, 2));
+        .number("rms codes", |model| fixed(model.validation.rms_codes, 2));
     [fits.into(), validation.into()]
-}
-
-/// Formats a number with this many decimals.
-fn decimals(number: f64, decimals: usize) -> Shown {
-    Shown::new(number, format!("{number:.decimals$}"))
-}
-
-/// Formats a number if it is known.
-fn known(value: Option<f64>, text: &dyn Fn(f64) -> String) -> Shown {
-    Shown::new(value, value.map_or_else(|| "—".to_owned(), text))
 }
 
 /// Returns the palette color that is closest to a channel's, with a marker and a dash pattern.
@@ -101,16 +85,13 @@ fn series(channel: Channel) -> Series {
 pub fn intervals(intervals_us: &[u32], refresh: Option<Refresh>) -> Figure {
     let longest = intervals_us.iter().copied().max().unwrap_or(0);
     let refresh_ms = refresh.map(|refresh| refresh.seconds() * 1e3);
-    let values = Values::from_zero((f64::from(longest) * 1e-3).max(refresh_ms.unwrap_or(0.0)));
-    let panel = values.panel(values.margin(), WIDTH - EDGE - TEXT, EDGE, PANEL);
     let last = intervals_us.len().max(2) as f64;
     let line = refresh
         .map_or_else(String::new, |refresh| format!("; the line marks the refresh interval at {:.3} Hz", refresh.hz()));
-    let caption = format!("Frames 1 to {}{line}.", intervals_us.len());
-    let height = panel.bottom + below(TEXT);
-    Figure::draw("intervals", "Frame intervals".to_owned(), caption, height, |svg| {
-        values.draw(svg, &panel, Some("Interval (ms)"));
-        number_axis(svg, &panel, (1.0, last), "Frame");
+    let texts = ["Frame intervals".to_owned(), format!("Frames 1 to {}{line}.", intervals_us.len())];
+    let values = (Values::from_zero((f64::from(longest) * 1e-3).max(refresh_ms.unwrap_or(0.0))), "Interval (ms)");
+    let levels = (&Levels::numbers(1.0, last), "Frame");
+    chart("intervals", texts, values, levels, Default::default(), |svg, panel| {
         if let Some(ms) = refresh_ms {
             svg.line(&[(panel.left, panel.y(ms)), (panel.right, panel.y(ms))], Stroke::new(VERMILION, 2.0));
         }
@@ -140,7 +121,7 @@ pub fn stimulus(protocol: &Protocol) -> Option<Figure> {
     let color = |[r, g, b]: [u16; 3]| Rgb(r as u8, g as u8, b as u8);
     let left = ((WIDTH - f64::from(SQUARES) * SIDE) / 2.0).round();
     let height = f64::from(SQUARES) * SIDE + 2.0 * EDGE;
-    Some(Figure::draw("stimulus", "A stimulus".to_owned(), caption, height, |svg| {
+    Some(Figure::draw("stimulus", ["A stimulus".to_owned(), caption], height, |svg| {
         for x in 0..SQUARES {
             let column: Vec<Rgb> = (0..SQUARES).map(|y| color(codes.pixel(x, y))).collect();
             let (from, mut top) = (left + f64::from(x) * SIDE, EDGE);

@@ -52,11 +52,6 @@ pub(super) fn level(name: &str) -> String {
     if number_of(name).is_some() { shown.to_string() } else { name.to_owned() }
 }
 
-/// Returns a factor's name as used within a sentence.
-pub(super) fn in_sentence(results: &Results, factor: &str) -> String {
-    clean(&names::factor(results, factor))
-}
-
 /// States the size of the sample: `8 participants, 1,920 ratings`.
 pub(super) fn sample(results: &Results) -> String {
     let (people, ratings) = (results.people() as u64, results.measured.counts.total());

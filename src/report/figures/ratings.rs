@@ -3,13 +3,13 @@
 //! the means that the vision model predicts. Other charts show the means by direction and by participant, and how often each
 //! category was used, with one bar for each level of a factor.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use super::{
-    axes::{EDGE, Levels, MARKER, PANEL, Panel, Values, beside, legend, told},
+    axes::{Levels, MARKER, Panel, Values, chart, told},
     labels::{self, chosen, evenly},
     palette::{GRAY, MAX_SERIES, Marker, Series, Stroke, category},
-    svg::{Figure, Point, Svg, WIDTH},
+    svg::{Figure, Point, Svg},
 };
 use crate::{
     analysis::{
@@ -75,11 +75,11 @@ fn charts(
     source: &str,
 ) -> Vec<Figure> {
     let factors: Vec<&Factor> = factors.iter().map(|&factor| &results.measured.counts.factors[factor]).collect();
-    let chart = |(x, name)| chart(results, &factors, means, (x, name), what, source);
-    (0..factors.len()).zip(names).map(chart).collect()
+    let one = |of| by_factor(results, &factors, means, of, what, source);
+    (0..factors.len()).zip(names).map(one).collect()
 }
 
-fn chart(
+fn by_factor(
     results: &Results,
     factors: &[&Factor],
     means: &Means,
@@ -106,25 +106,22 @@ fn chart(
     };
     let lines: Vec<Line> = shown.iter().enumerate().map(line).collect();
     let levels = Levels::of(across);
-    let mut title = format!("{what} by {}", labels::in_sentence(results, &across.name));
+    let mut title = format!("{what} by {}", names::factor(results, &across.name));
     let mut caption = String::new();
     if let Some(by) = by {
         let thing = if levels.ordered { "line" } else { "marker" };
-        let (by_name, some) = (labels::in_sentence(results, &by.name), labels::some_of(lines.len(), by.levels.len()));
+        let (by_name, some) = (names::factor(results, &by.name), labels::some_of(lines.len(), by.levels.len()));
         title += &format!(" and {by_name}");
         caption = format!("one {thing} for each level of {by_name}{some}; ");
     }
     let caption = names::capitalized(&format!("{caption}{source}."));
     let heading = by.map(|by| names::heading(results, &by.name)).unwrap_or_default();
     let series: Vec<(Series, &str)> = lines.iter().map(|line| (line.series, line.name.as_str())).collect();
-    let values = Values::ratings(&results.measured.counts);
-    let panel = values.panel(values.margin(), WIDTH - EDGE - beside(&heading, &series), EDGE, PANEL);
-    Figure::draw(name, title, caption, panel.bottom + levels.below(panel.width()), |svg| {
-        values.draw(svg, &panel, Some(what));
-        levels.draw(svg, &panel, &names::axis(results, &across.name));
-        let name = |factor: &Factor| labels::in_sentence(results, &factor.name);
-        draw(svg, &panel, &levels, &lines, [&name(across), &by.map(|by| name(by)).unwrap_or_default()]);
-        legend(svg, &panel, &heading, &series, levels.ordered);
+    let values = (Values::ratings(&results.measured.counts), what);
+    let axis = (&levels, &*names::axis(results, &across.name));
+    let names = [Some(&across), by].map(|of| of.map_or_else(String::new, |of| names::factor(results, &of.name)));
+    chart(name, [title, caption], values, axis, (&heading, &series, levels.ordered), |svg, panel| {
+        draw(svg, panel, &levels, &lines, [&names[0], &names[1]]);
     })
 }
 
@@ -167,7 +164,7 @@ pub(super) fn orientation(results: &Results) -> Option<Figure> {
     let index = counts.factors.iter().position(is_direction).filter(|index| !chosen(counts).contains(index))?;
     let means = of_groups(by_levels(counts, &[index]));
     let name = (0, "orientation");
-    Some(chart(results, &[&counts.factors[index]], &means, name, WHAT, &labels::bars(results)))
+    Some(by_factor(results, &[&counts.factors[index]], &means, name, WHAT, &labels::bars(results)))
 }
 
 /// Draws `subjects`, if there are several: every participant's mean rating by the most interesting factor, and the mean of all ratings.
@@ -175,31 +172,29 @@ pub(super) fn participants(results: &Results) -> Option<Figure> {
     let counts = &results.measured.counts;
     let factor = *chosen(counts).first().filter(|_| results.is_inferential())?;
     let by = &counts.factors[factor];
-    let (name, sample) = (labels::in_sentence(results, &by.name), labels::sample(results));
+    let (name, sample) = (names::factor(results, &by.name), labels::sample(results));
     let shown = evenly(results.people(), MAX_LINES);
     let title = format!("{WHAT} of every participant by {name}");
     let some = labels::some_of(shown.len(), results.people());
     let caption =
         format!("Each gray line is one participant{some}, and markers are means over participants; {sample}.");
-    let (values, levels) = (Values::ratings(counts), Levels::of(by));
-    let panel = values.panel(values.margin(), WIDTH - EDGE, EDGE, PANEL);
+    let levels = Levels::of(by);
     let people = shown.len() as f64;
     let thin = Stroke { opacity: (12.0 / people).clamp(0.25, 0.75), ..Stroke::new(GRAY, 2.0) };
-    let points = |means: &[Option<f64>]| -> Vec<Option<Point>> {
-        levels.at.iter().zip(means).map(|(&at, mean)| mean.map(|mean| (panel.x(at), panel.y(mean)))).collect()
-    };
-    Some(Figure::draw("subjects", title, caption, panel.bottom + levels.below(panel.width()), |svg| {
-        values.draw(svg, &panel, Some(WHAT));
-        levels.draw(svg, &panel, &names::axis(results, &by.name));
+    let (values, axis) = ((Values::ratings(counts), WHAT), (&levels, &*names::axis(results, &by.name)));
+    Some(chart("subjects", [title, caption], values, axis, Default::default(), |svg, panel| {
         let level = |_, condition: u32| counts.conditions[condition as usize][factor].map(|level| level as usize);
         let means = means_by_subject(counts, by.levels.len(), level);
-        let own =
-            |person: usize| means.iter().map(|of_level| of_level.get(&(person as u32)).copied()).collect::<Vec<_>>();
-        shown.iter().for_each(|person| svg.path(&points(&own(*person)), thin));
+        for person in shown {
+            let point = |(at, of_level): (&f64, &BTreeMap<u32, f64>)| -> Option<Point> {
+                Some((panel.x(*at), panel.y(*of_level.get(&(person as u32))?)))
+            };
+            svg.path(&levels.at.iter().zip(&means).map(point).collect::<Vec<_>>(), thin);
+        }
         let groups = &results.factors[factor].levels;
         let mean = |level: &String| Some((groups.iter().find(|group| group.names[0] == *level)?.summary.mean, None));
         let means = by.levels.iter().map(mean).collect();
-        draw(svg, &panel, &levels, &[Line { name: String::new(), series: Series::only(), means }], [&name, ""]);
+        draw(svg, panel, &levels, &[Line { name: String::new(), series: Series::only(), means }], [&name, ""]);
     }))
 }
 
@@ -212,7 +207,7 @@ pub(super) fn proportions(results: &Results) -> Option<Figure> {
     let index = *chosen(counts).first()?;
     let (groups, factor) = (by_levels(counts, &[index]), &counts.factors[index]);
     let levels = Levels::evenly(&factor.levels, factor.numbers.is_some());
-    let title = format!("How often each rating was given by {}", labels::in_sentence(results, &factor.name));
+    let title = format!("How often each rating was given by {}", names::factor(results, &factor.name));
     let caption = format!("Proportions of the ratings; {}.", labels::sample(results));
     let color = |index: usize| category(index, counts.categories.len());
     // The highest category is on top.
@@ -221,11 +216,9 @@ pub(super) fn proportions(results: &Results) -> Option<Figure> {
         (Series { color: color(index), marker: Marker::Square, dash: None }, counts.categories[index].as_str())
     });
     let series: Vec<(Series, &str)> = series.collect();
-    let values = Values::between(0.0, 100.0);
-    let panel = values.panel(values.margin(), WIDTH - EDGE - beside("Rating", &series), EDGE, PANEL);
-    Some(Figure::draw("proportions", title, caption, panel.bottom + levels.below(panel.width()), |svg| {
-        values.draw(svg, &panel, Some("Ratings (%)"));
-        levels.draw(svg, &panel, &names::axis(results, &factor.name));
+    let values = (Values::between(0.0, 100.0), "Ratings (%)");
+    let axis = (&levels, &*names::axis(results, &factor.name));
+    Some(chart("proportions", [title, caption], values, axis, ("Rating", &series, false), |svg, panel| {
         let half = 0.4 * levels.gap() * panel.width();
         for (at, level) in levels.at.iter().zip(&factor.levels) {
             let own = groups.iter().find(|group| group.names[0] == *level);
@@ -238,6 +231,5 @@ pub(super) fn proportions(results: &Results) -> Option<Figure> {
                 from = to;
             }
         }
-        legend(svg, &panel, "Rating", &series, false);
     }))
 }

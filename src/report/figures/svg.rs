@@ -98,23 +98,6 @@ fn attributes(stroke: Stroke) -> String {
 }
 
 impl Svg {
-    /// Creates a complete drawing, with a title and a description for readers who cannot see it; also returns the values
-    /// in it.
-    pub fn draw(height: f64, title: &str, description: &str, paint: impl FnOnce(&mut Self)) -> (String, Vec<Plotted>) {
-        // Whole pixels, so that the last row is fully white.
-        let height = height.ceil();
-        let (title, description) = (escaped(title), escaped(description));
-        let text = format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH}\" height=\"{height}\" \
-             viewBox=\"0 0 {WIDTH} {height}\" role=\"img\" font-family=\"{FAMILY}\">\n\
-             <title>{title}</title>\n<desc>{description}</desc>\n"
-        );
-        let mut svg = Self { text, values: Vec::new() };
-        svg.rectangle((0.0, 0.0), (WIDTH, height), WHITE);
-        paint(&mut svg);
-        (svg.text + "</svg>\n", svg.values)
-    }
-
     fn element(&mut self, element: std::fmt::Arguments<'_>) {
         // Writing to memory does not fail.
         let _ = writeln!(self.text, "{element}");
@@ -239,15 +222,27 @@ pub struct Figure {
 }
 
 impl Figure {
+    /// Creates a complete drawing, whose title and caption are also for readers who cannot see it.
     pub(super) fn draw(
         name: &'static str,
-        title: String,
-        caption: String,
+        [title, caption]: [String; 2],
         height: f64,
         paint: impl FnOnce(&mut Svg),
     ) -> Self {
-        let (svg, values) = Svg::draw(height, &title, &caption, paint);
-        Self { name, title, caption, height, svg, values }
+        // Whole pixels, so that the last row is fully white.
+        let whole = height.ceil();
+        let text = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH}\" height=\"{whole}\" \
+             viewBox=\"0 0 {WIDTH} {whole}\" role=\"img\" font-family=\"{FAMILY}\">\n\
+             <title>{}</title>\n<desc>{}</desc>\n",
+            escaped(&title),
+            escaped(&caption)
+        );
+        let mut drawn = Svg { text, values: Vec::new() };
+        drawn.rectangle((0.0, 0.0), (WIDTH, whole), WHITE);
+        paint(&mut drawn);
+        let Svg { text, values } = drawn;
+        Self { name, title, caption, height, svg: text + "</svg>\n", values }
     }
 
     /// Returns the chart as a PNG image that is 1600 pixels wide. Its bytes are the same on every machine.

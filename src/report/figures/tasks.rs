@@ -1,11 +1,11 @@
 //! Charts of estimates: a task's psychometric functions and thresholds, and the effects in a model of ratings.
 
 use super::{
-    axes::{EDGE, MARKER, PANEL, Values, below, beside, legend, number_axis, told},
-    labels::{TEXT, some_of},
+    axes::{Levels, MARKER, Values, chart, told},
+    labels::some_of,
     palette::Series,
     ratings::{Line, draw},
-    svg::{Figure, WIDTH},
+    svg::Figure,
 };
 use crate::{
     analysis::{Coefficient, Results},
@@ -29,14 +29,12 @@ pub(crate) fn psychometric(curves: &[Curve], range: [f64; 2], axis: &str, captio
     if curves.is_empty() {
         return None;
     }
-    let values = Values::from_zero(1.0);
     let series = curves.iter().enumerate().map(|(index, curve)| (Series::of(index), curve.name.as_str()));
     let series: Vec<_> = series.collect();
-    let panel = values.panel(values.margin(), WIDTH - EDGE - beside("", &series), EDGE, PANEL);
-    let title = "Answers by level, and psychometric functions".to_owned();
-    Some(Figure::draw("psychometric", title, caption, panel.bottom + below(TEXT), |svg| {
-        values.draw(svg, &panel, Some("Proportion of answers"));
-        number_axis(svg, &panel, (range[0], range[1]), axis);
+    let texts = ["Answers by level, and psychometric functions".to_owned(), caption];
+    let values = (Values::from_zero(1.0), "Proportion of answers");
+    let levels = (&Levels::numbers(range[0], range[1]), axis);
+    Some(chart("psychometric", texts, values, levels, ("", &series, true), |svg, panel| {
         let share = |x: f64| (x - range[0]) / (range[1] - range[0]);
         let largest = curves.iter().flat_map(|curve| &curve.points).map(|point| point.2).max().unwrap_or(1);
         for (curve, (series, _)) in curves.iter().zip(&series) {
@@ -52,7 +50,6 @@ pub(crate) fn psychometric(curves: &[Curve], range: [f64; 2], axis: &str, captio
                 svg.point((panel.x(share(*x)), panel.y(*y)), radius, *series, text);
             }
         }
-        legend(svg, &panel, "", &series, true);
     }))
 }
 
@@ -77,15 +74,11 @@ pub(crate) fn estimates(
         Line { name, series: of(index), means: means.clone() }
     };
     let lines: Vec<Line> = series.iter().enumerate().map(line).collect();
-    let names: Vec<_> = lines.iter().map(|line| (line.series, line.name.as_str())).collect();
-    let panel = values.panel(values.margin(), WIDTH - EDGE - beside("", &names), EDGE, PANEL);
-    let levels = super::axes::Levels::evenly(places, false);
-    let height = panel.bottom + levels.below(panel.width());
-    Some(Figure::draw(name, title.to_owned(), caption, height, |svg| {
-        values.draw(svg, &panel, Some(axis));
-        levels.draw(svg, &panel, "");
-        draw(svg, &panel, &levels, &lines, ["", ""]);
-        legend(svg, &panel, "", &names, false);
+    let levels = Levels::evenly(places, false);
+    let series: Vec<_> = lines.iter().map(|line| (line.series, line.name.as_str())).collect();
+    let texts = [title.to_owned(), caption];
+    Some(chart(name, texts, (values, axis), (&levels, ""), ("", &series, false), |svg, panel| {
+        draw(svg, panel, &levels, &lines, ["", ""]);
     }))
 }
 
