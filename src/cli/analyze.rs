@@ -1,9 +1,6 @@
 //! `machband analyze` and `machband counts`, and what they say about the ratings that they read.
 
-use std::{
-    collections::BTreeMap,
-    path::{Path, PathBuf},
-};
+use std::collections::BTreeMap;
 
 use serde::Serialize;
 
@@ -12,11 +9,11 @@ use crate::{
     analysis::{Options, counts::Measured, results::covariates},
     report::{
         Provenance, check_folder,
-        document::{Document, numbers::count},
+        document::numbers::count,
         skins,
         study::{Parts, document, shell_command},
         study_files, tables, task_files,
-        tasks::{self, TaskResults, TaskStudy},
+        tasks::{self, TaskResults},
         write_files,
     },
     store::{
@@ -48,54 +45,37 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> {
-    check_folder(writer, &arguments.out)?;
-    let progress = Bar::new("reading");
-    if let Some(study) = arguments.analysis.read_task()? {
-        return run_task(arguments, writer, &study, &progress);
-    }
-    let study = arguments.analysis.read()?;
-    progress.stage("analyzing");
-    let results = arguments.analysis.analyze(&study, &progress)?;
-    progress.stage(if arguments.tables_only { "writing" } else { "predicting, drawing and writing" });
-    let provenance = provenance(arguments);
-    let contents = study_files(&study, &results, &provenance, &arguments.out, arguments.tables_only)?;
-    let files = write_files(writer, &arguments.out, contents)?;
-    progress.clear();
-    super::print_line(&sentence(&study.source, &results.measured))?;
-    print_summary(&document(&study.source, &results, Parts::default()))?;
-    report_written(&files, &arguments.out)?;
-    problems(&study.source.warnings, &study.source.errors)
-}
-
-/// Analyzes the answers to a task other than a rating.
-fn run_task(arguments: &Arguments, writer: &Writer, study: &TaskStudy, progress: &Bar) -> anyhow::Result<()> {
-    progress.stage("analyzing");
-    let results = TaskResults::of(study, arguments.analysis.resampling.seed);
-    progress.stage("drawing and writing");
-    let provenance = provenance(arguments);
-    let contents = task_files(study, &results, &provenance, &arguments.out, arguments.tables_only)?;
-    let files = write_files(writer, &arguments.out, contents)?;
-    progress.clear();
-    print_summary(&tasks::document(study, &results, &[], None))?;
-    report_written(&files, &arguments.out)?;
-    problems(&study.warnings, &study.errors)
-}
-
-fn provenance(arguments: &Arguments) -> Provenance {
+    let Arguments { analysis, out, tables_only } = arguments;
+    check_folder(writer, out)?;
     let words = std::iter::once("analyze".to_owned()).chain(words(arguments));
-    Provenance::new(shell_command(words), now())
-}
-
-/// Prints the first section of a report.
-fn print_summary(document: &Document) -> anyhow::Result<()> {
-    let mut lines = document.sections.first().into_iter().flat_map(skins::terminal);
-    lines.try_for_each(|line| super::print_line(&line))
-}
-
-/// Says how many files were written into a folder, and which to open.
-fn report_written(files: &[PathBuf], out: &Path) -> anyhow::Result<()> {
+    let provenance = Provenance::new(shell_command(words), now());
+    let progress = Bar::new("reading");
+    let (contents, document, warnings, errors) = if let Some(study) = analysis.read_task()? {
+        progress.stage("analyzing");
+        let results = TaskResults::of(&study, analysis.resampling.seed);
+        progress.stage("drawing and writing");
+        let contents = task_files(&study, &results, &provenance, out, *tables_only)?;
+        (contents, tasks::document(&study, &results, &[], None), study.warnings, study.errors)
+    } else {
+        let study = analysis.read()?;
+        progress.stage("analyzing");
+        let results = analysis.analyze(&study, &progress)?;
+        progress.stage(if *tables_only { "writing" } else { "predicting, drawing and writing" });
+        let contents = study_files(&study, &results, &provenance, out, *tables_only)?;
+        let document = document(&study.source, &results, Parts::default());
+        (contents, document, study.source.warnings, study.source.errors)
+    };
+    let files = write_files(writer, out, contents)?;
+    progress.clear();
+    let mut summary = document.sections.first().into_iter().flat_map(skins::terminal);
+    summary.try_for_each(|line| super::print_line(&line))?;
     let report = files.iter().find(|file| file.extension().is_some_and(|extension| extension == "html"));
-    super::print_line(&format!("{} files written; see {}", files.len(), report.map_or(out, |report| report).display()))
+    super::print_line(&format!(
+        "{} files written; see {}",
+        files.len(),
+        report.map_or_else(|| out.display(), |path| path.display())
+    ))?;
+    problems(&warnings, &errors)
 }
 
 /// Summarizes in one line what was read, and how many rows were left out.

@@ -36,6 +36,8 @@ pub(super) struct Size {
     pub text: String,
     /// The interval of the difference.
     interval: Option<Interval>,
+    /// Whether it is a difference of means and not one in the model.
+    is_of_means: bool,
 }
 
 /// Describes the effect of a factor.
@@ -304,6 +306,12 @@ fn size(results: &Results, factor: &FactorResults, evidence: &Evidence) -> Optio
     if evidence.is_rank_test { from_means().or_else(from_model) } else { from_model().or_else(from_means) }
 }
 
+/// True if the size of a factor's effect is a difference of means with an interval.
+pub(super) fn has_interval_of_means(results: &Results, factor: &FactorResults) -> bool {
+    let size = evidence(results, factor).and_then(|evidence| size(results, factor, &evidence));
+    size.is_some_and(|size| size.is_of_means && size.interval.is_some())
+}
+
 fn size_in_model(results: &Results, report: &ModelReport, factor: &FactorResults) -> Option<Size> {
     let term = main_effect(results, &factor.name)?;
     let is_average = results.spec.terms.is_marginal(term);
@@ -320,6 +328,12 @@ fn size_in_model(results: &Results, report: &ModelReport, factor: &FactorResults
         return None;
     }
     let (estimate, interval) = (contrast.estimate, contrast.interval);
+    let ([first, second], _) = factor.contrast();
+    let means = factor.means();
+    if estimate * (means[second] - means[first]) < 0.0 {
+        // A sentence has one direction. A small difference may have another one in the model.
+        return None;
+    }
     let [later, earlier] = [&contrast.level, &contrast.other].map(|level| names::level(results, &factor.name, level));
     let value = |estimate: f64| on_scale(results, estimate);
     let superiority = |estimate: f64| {
@@ -342,20 +356,15 @@ fn size_in_model(results: &Results, report: &ModelReport, factor: &FactorResults
         ),
     };
     let text = if is_average { format!("on average over {}, {text}", partners(results, term)) } else { text };
-    Some(Size { text: names::capitalized(&text), interval })
+    Some(Size { text: names::capitalized(&text), interval, is_of_means: false })
 }
 
 /// Lists the factors and covariates with which a term interacts.
 fn partners(results: &Results, term: &Term) -> String {
     let larger = results.spec.terms.iter().filter(|larger| larger.contains(term));
     let others = larger.flat_map(|larger| &larger.variables).filter(|variable| !term.variables.contains(variable));
-    list(
-        &others
-            .map(|variable| names::factor(results, variable.name()))
-            .collect::<BTreeSet<_>>()
-            .into_iter()
-            .collect::<Vec<_>>(),
-    )
+    let others: BTreeSet<String> = others.map(|variable| names::factor(results, variable.name())).collect();
+    list(&Vec::from_iter(others))
 }
 
 /// Returns the range of a number, and a clause that begins a sentence about its effect from the lowest to the highest value, so
@@ -386,7 +395,7 @@ pub(super) fn over_range(results: &Results, report: &ModelReport, term: &Term) -
     let value = |estimate: f64| on_scale(results, estimate);
     let interval = coefficient.interval.map(|i| Interval { low: range * i.low, high: range * i.high });
     let text = format!("{what} {}{}", value(range * coefficient.estimate), with_interval(interval, value));
-    Some(Size { text, interval })
+    Some(Size { text, interval, is_of_means: false })
 }
 
 /// Formats a difference on the latent scale: as an odds ratio, or in standard deviations.
@@ -413,5 +422,5 @@ fn difference_of_means(results: &Results, factor: &FactorResults, evidence: &Evi
             format!("{the} mean rating at {later} minus that at {earlier} is {size}{}", with_interval(interval, mean))
         }
     };
-    Some(Size { text, interval })
+    Some(Size { text, interval, is_of_means: true })
 }

@@ -31,10 +31,9 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
         ("Ratings analyzed", whole(results.measured.counts.total())),
     ];
     section.facts("Rows read and excluded", facts);
-    let left_out = left_out(source, results);
     if let Some(sentence) = exclusions(source, results) {
         section.text(sentence);
-        TableOf::new("What was left out, and why", &left_out)
+        TableOf::new("What was left out, and why", &left_out(source, results))
             .text("Left out", |own| format!("{}s {}", own.noun, own.why))
             .number("Number", |own| whole(own.number))
             .number("Participants", |own| whole(own.participants))

@@ -94,15 +94,18 @@ fn model(results: &Results) -> Vec<String> {
     let Ok(report) = &results.model else { return Vec::new() };
     let model = &report.model;
     let mixed = model.random.is_some();
-    let named = |is: &dyn Fn(&TermTest) -> bool| -> Option<String> {
+    // The tests that are so, after a singular or a plural.
+    let named = |is: &dyn Fn(&TermTest) -> bool, [one, several]: [&str; 2]| -> Option<String> {
         let own = report.terms.iter().filter(|test| test.p.is_some() && is(test));
         let own: Vec<String> = own.map(|test| names::term(results, &test.term)).collect();
-        (!own.is_empty()).then(|| list(&own))
+        let text = if own.len() == 1 { one } else { several };
+        (!own.is_empty()).then(|| text.replace('#', &list(&own)))
     };
+    let p_comes = ["The p value of # comes from", "The p values of # come from"];
     let left_out = |by_signs: bool| {
         report.interactions.iter().filter(|own| own.test.p.is_some() && own.by_signs == by_signs).count()
     };
-    let simulated = named(&|test| test.draws.is_some());
+    let simulated = named(&|test| test.draws.is_some(), p_comes);
     let draws = report.terms.iter().filter_map(|test| test.draws).max().unwrap_or_default();
     let variances = if mixed { ", with variances of the random effects corrected for the estimated means" } else { "" };
     let limits = if simulated.is_some() { ", with limits from the same studies" } else { "" };
@@ -115,12 +118,12 @@ fn model(results: &Results) -> Vec<String> {
             fitted(results, model),
             count(model.nobs, "rating")
         )),
-        named(&|_| true).map(|terms| format!("Likelihood-ratio tests were computed for {terms}.")),
+        named(&|_| true, ["A likelihood-ratio test was computed for #.", "Likelihood-ratio tests were computed for #."]),
         results.ignores_people().then(|| IGNORING.to_owned()),
-        named(&|test| test.draws.is_none()).map(|terms| format!("The p values of {terms} come from the χ² distribution.")),
-        simulated.map(|terms| {
+        named(&|test| test.draws.is_none(), p_comes).map(|p| format!("{p} the χ² distribution.")),
+        simulated.map(|p| {
             format!(
-                "The p values of {terms} come from a parametric bootstrap (Davison & Hinkley, 1997; Halekoh & Højsgaard, 2014): up to {draws} \
+                "{p} a parametric bootstrap (Davison & Hinkley, 1997; Halekoh & Højsgaard, 2014): up to {draws} \
                  studies were simulated from the fitted model (ChaCha8, seed {}){variances}, and their ratios were computed at the \
                  coefficients that generated them. p is (k + 1)/(n + 1); if no ratio was as large, p was extrapolated with an \
                  exponential tail. Simulation ended early when p was clear.",
@@ -128,7 +131,7 @@ fn model(results: &Results) -> Vec<String> {
             )
         }),
         report.terms.iter().filter_map(|test| test.p_error).reduce(f64::max).map(|error| {
-            let most = fixed((1e4 * error).ceil() / 1e4, 4);
+            let most = fixed((1e3 * error).ceil() / 1e3, 3).replacen('0', "", 1);
             format!("The Monte Carlo standard error of p, where it was not extrapolated, is at most {most}.")
         }),
         match (left_out(true), left_out(false)) {
@@ -140,7 +143,7 @@ fn model(results: &Results) -> Vec<String> {
         model.coefficients.iter().any(|own| own.interval.is_some()).then(|| {
             let is_additive = results.spec.terms.iter().all(Term::is_main);
             let simple = if is_additive { "" } else { "; those of simple effects are Wald intervals" };
-            format!("Intervals of coefficients are profile-likelihood intervals{limits}{simple}.")
+            format!("The 95\u{a0}% intervals of coefficients are profile-likelihood intervals{limits}{simple}.")
         }),
         report.comparisons.iter().any(|own| own.p_holm.is_some()).then(|| COMPARED.to_owned()),
         (!results.is_inferential()).then(|| "All inference is about repeated trials of this participant.".to_owned()),
@@ -155,7 +158,7 @@ const WIDER_MODELS: &str = "The two-way interactions left out of the model were 
 const SIGNS: &str = "The two-way interactions left out of the model were tested with score tests: p is the proportion of \
                      patterns of the signs of the participants’ residual scores with a statistic at least as large";
 const COMPARED: &str =
-    "Levels were compared in the model, corrected within each factor with Holm’s method (Holm, 1979).";
+    "Levels were compared in the model; p was corrected within each factor with Holm’s method (Holm, 1979).";
 
 /// Says what was computed without the model, and how the intervals were found.
 fn description(results: &Results) -> Vec<String> {
@@ -171,7 +174,6 @@ fn description(results: &Results) -> Vec<String> {
         ))
     };
     let mut sentences: Vec<String> = results.factors.iter().filter_map(ranked).collect();
-    let is_ranked = !sentences.is_empty();
     sentences.extend(results.alpha.map(|_| {
         "Agreement between participants was measured with Krippendorff’s ordinal α (Hayes & Krippendorff, 2007; \
          Krippendorff, 2019), without comparing repeated ratings by the same participant."
@@ -183,7 +185,9 @@ fn description(results: &Results) -> Vec<String> {
     }));
     if results.is_inferential() {
         let mut kinds = vec!["those of means are score intervals (Wilson, 1927) with t quantiles over participants"];
-        kinds.extend(is_ranked.then_some("those of differences of means are t intervals over participants"));
+        let is_difference = |factor| findings::has_interval_of_means(results, factor);
+        let differences = "those of differences of means are t intervals over participants";
+        kinds.extend(results.factors.iter().any(is_difference).then_some(differences));
         let of_alpha = results.alpha.and_then(|alpha| alpha.interval);
         kinds.extend(of_alpha.map(|_| "that of α uses the jackknife over participants"));
         let of_kappa = results.kappa.and_then(|(_, interval)| interval);
