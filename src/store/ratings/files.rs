@@ -319,7 +319,7 @@ impl Header {
     /// Returns the head of a table in memory.
     pub fn of(columns: Columns) -> Self {
         let names: Vec<String> = columns.names().map(|name| name.trim().to_owned()).collect();
-        let first = (columns.rows() > 0).then(|| (0..names.len()).map(|column| columns.cell(0, column)).collect());
+        let first = (columns.rows() > 0).then(|| (0..names.len()).map(|column| columns.texts(column).get(0).to_owned()).collect());
         Self { names, separator: b',', first, columns: Some(columns), ..Self::default() }
     }
 

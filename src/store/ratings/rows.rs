@@ -93,10 +93,12 @@ impl Rows {
         let needed = input.columns.texts();
         let used: BTreeSet<usize> = needed.iter().copied().chain(input.columns.time).collect();
         if let Some(columns) = &header.columns {
-            let texts = |column: usize| if needed.contains(&column) { columns.texts(column) } else { Texts::default() };
+            let texts =
+                |column: usize| if needed.contains(&column) { columns.texts(column).clone() } else { Texts::default() };
+            let times = |column: usize| columns.texts(column).map(seconds).iter().copied().collect();
             let mut rows = Self {
                 columns: (0..header.names.len()).map(texts).collect(),
-                times: input.columns.time.map_or_else(Vec::new, |column| columns.numbers(column, seconds)),
+                times: input.columns.time.map_or_else(Vec::new, times),
                 status: vec![Status::Counts(0); columns.rows()],
                 ..Self::default()
             };
@@ -187,7 +189,7 @@ impl Rows {
     /// Returns an error with its place.
     fn placed(&self, error: &RowError, input: &Input, inputs: &[Input]) -> FileError {
         if let Some(columns) = &input.header.columns {
-            let message = error.message(input, inputs, |column| columns.cell(error.row, column));
+            let message = error.message(input, inputs, |column| columns.texts(column).get(error.row).to_owned());
             let place = format!("{}, row {} (counted from 0)", input.name, error.row);
             return FileError { rows: vec![error.row], ..FileError::whole(place, message) };
         }
