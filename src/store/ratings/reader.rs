@@ -139,13 +139,24 @@ fn about_names(selection: &Selection, options: &ReadOptions, tables: &[Rows]) ->
     if options.subject.is_none() && first.columns.record.is_none() {
         notes.extend(first.header.note_of_subject(&first.name, first.columns.subject));
     }
-    notes.extend(alike(&first.name, None, &column_of(&selection.inputs, tables, |columns| columns.subject)));
+    notes.extend(about_ids(&first.name, &column_of(&selection.inputs, tables, |columns| columns.subject)));
     // Levels are those of the definition, if there is one.
     let factors = selection.shape.factors.iter().take(first.columns.factors.len()).enumerate();
     notes.extend(factors.filter(|_| selection.protocol.is_none()).filter_map(|(index, name)| {
         alike(&first.name, Some(name), &column_of(&selection.inputs, tables, |columns| columns.factors[index]))
     }));
     notes
+}
+
+/// Says which IDs of participants look alike, and which ones a spreadsheet has rounded, such as 5.1E+23.
+pub(super) fn about_ids(file: &str, column: &[&Texts]) -> impl Iterator<Item = FileError> {
+    let is_digits = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit() || b".,".contains(&byte));
+    let is_rounded = |id: &&Box<str>| id.split_once("E+").is_some_and(|(a, b)| is_digits(a) && is_digits(b));
+    let rounded = column.iter().flat_map(|file| &file.texts).find(is_rounded).map(|id| {
+        let message = format!("the ID {id} is a rounded number, and may stand for several; expected IDs as text");
+        FileError::whole(file, message)
+    });
+    alike(file, None, column).into_iter().chain(rounded)
 }
 
 /// Says which IDs of participants, or levels of a factor, look alike in a column of all files.
