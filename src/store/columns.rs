@@ -6,19 +6,13 @@ use super::FileErrors;
 
 /// The columns of a table in memory, with their names.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Columns(Vec<(String, Column)>);
-
-#[derive(Clone, Debug, PartialEq)]
-enum Column {
-    Texts(Texts),
-    Numbers(Vec<f64>),
-}
+pub struct Columns(Vec<(String, Texts)>);
 
 impl Columns {
     /// Adds a column of whole numbers.
     #[must_use]
     pub fn with_whole(self, name: &str, numbers: &[i64]) -> Self {
-        self.with(name, Column::Texts(Texts::of(numbers.iter().copied(), |number| number.to_string())))
+        self.with(name, Texts::of(numbers.iter().copied(), |number| number.to_string()))
     }
 
     /// Adds a column of text of which each different text is given once, with its index in each row; an index without a
@@ -30,17 +24,22 @@ impl Columns {
         let missing = texts.index("");
         let of = |cell: &i64| usize::try_from(*cell).ok().and_then(|cell| index.get(cell)).copied().unwrap_or(missing);
         texts.cells = cells.iter().map(of).collect();
-        self.with(name, Column::Texts(texts.finish()))
+        self.with(name, texts.finish())
     }
 
     /// Adds a column of numbers, each written in the shortest form that reads back as the same number. NaN is a missing
     /// value.
     #[must_use]
     pub fn with_numbers(self, name: &str, numbers: impl IntoIterator<Item = f64>) -> Self {
-        self.with(name, Column::Numbers(numbers.into_iter().collect()))
+        let text = |bits: u64| match f64::from_bits(bits) {
+            number if number.is_nan() => String::new(),
+            // The sum turns −0 into 0.
+            number => (number + 0.0).to_string(),
+        };
+        self.with(name, Texts::of(numbers.into_iter().map(f64::to_bits), text))
     }
 
-    fn with(mut self, name: &str, column: Column) -> Self {
+    fn with(mut self, name: &str, column: Texts) -> Self {
         self.0.push((name.to_owned(), column));
         self
     }
@@ -48,11 +47,11 @@ impl Columns {
     /// Checks that there are columns, and that all of them have the same number of rows.
     pub(super) fn check(&self, name: &str) -> Result<(), FileErrors> {
         let rows = self.rows();
-        let other = self.0.iter().find(|(_, column)| column.len() != rows);
+        let other = self.0.iter().find(|(_, column)| column.cells.len() != rows);
         match (other, self.0.first()) {
             (_, None) => Err(FileErrors::whole(name, "has no columns; expected columns with names")),
             (Some((other, column)), Some((first, _))) => {
-                let message = format!("the column {other} has {} rows; expected {rows}, as in {first}", column.len());
+                let message = format!("the column {other} has {} rows; expected {rows}, as in {first}", column.cells.len());
                 Err(FileErrors::whole(name, message))
             }
             (None, Some(_)) => Ok(()),
@@ -66,48 +65,13 @@ impl Columns {
 
     /// Returns the number of rows.
     pub(super) fn rows(&self) -> usize {
-        self.0.first().map_or(0, |(_, column)| column.len())
+        self.0.first().map_or(0, |(_, column)| column.cells.len())
     }
 
-    /// Returns the text of a cell.
-    pub(super) fn cell(&self, row: usize, column: usize) -> String {
-        match &self.0[column].1 {
-            Column::Texts(texts) => texts.get(row).to_owned(),
-            Column::Numbers(numbers) => text_of(numbers[row]),
-        }
+    /// Returns a column.
+    pub(super) fn texts(&self, column: usize) -> &Texts {
+        &self.0[column].1
     }
-
-    /// Returns a column as texts.
-    pub(super) fn texts(&self, column: usize) -> Texts {
-        match &self.0[column].1 {
-            Column::Texts(texts) => texts.clone(),
-            Column::Numbers(numbers) => {
-                Texts::of(numbers.iter().map(|number| number.to_bits()), |bits| text_of(f64::from_bits(bits)))
-            }
-        }
-    }
-
-    /// Returns a column as numbers; `of` finds the number in a text.
-    pub(super) fn numbers(&self, column: usize, of: impl Fn(&str) -> f64) -> Vec<f64> {
-        match &self.0[column].1 {
-            Column::Texts(texts) => texts.map(of).iter().copied().collect(),
-            Column::Numbers(numbers) => numbers.clone(),
-        }
-    }
-}
-
-impl Column {
-    fn len(&self) -> usize {
-        match self {
-            Self::Texts(texts) => texts.cells.len(),
-            Self::Numbers(numbers) => numbers.len(),
-        }
-    }
-}
-
-fn text_of(number: f64) -> String {
-    // The sum turns −0 into 0.
-    if number.is_nan() { String::new() } else { (number + 0.0).to_string() }
 }
 
 /// A column of texts. Equal texts are stored once.

@@ -94,7 +94,10 @@ fn counted(rows: Vec<Row>) -> Vec<Match> {
 }
 
 fn rows(file: &str, text: &[u8]) -> Result<Vec<Row>, FileErrors> {
-    table::parse(file, text, b',', |header| exactly(header, COLUMNS.split(',')), |cells, _| row(cells))
+    let header = |names: &[&str]| exactly(names, COLUMNS.split(','));
+    let ((), rows, errors) = table::parse(file, text, b',', header, |(), cells, _| row(cells))?;
+    FileErrors::none(errors)?;
+    Ok(rows)
 }
 
 /// Parses a row.

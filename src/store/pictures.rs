@@ -1,7 +1,6 @@
 //! The pictures that a study brings itself: files beside its definition, and a table of their levels.
 
 use std::{
-    cell::RefCell,
     collections::HashMap,
     path::{Path, PathBuf},
     sync::Arc,
@@ -14,7 +13,7 @@ use super::{
     FileErrors, StoreError,
     file::{read_bytes, read_text, sha256},
     image::{self, parse_picture},
-    table::{self, separator, with_point},
+    table::{self, Row, separator, with_point},
     toml::TableReader,
 };
 use crate::{
@@ -138,18 +137,16 @@ fn levels(folder: &Path, pattern: &str) -> Result<Levels, StoreError> {
     }
     let fail = |message: String| StoreError::from(FileErrors::whole(&path, message));
     let (file, text) = (path.display().to_string(), read_text(&path)?);
-    let separator = separator(text.lines().next().unwrap_or_default().as_bytes());
-    let names: RefCell<Vec<String>> = RefCell::default();
-    let place = || names.borrow().iter().position(|name| name == FILE);
     let header = |found: &[&str]| {
-        names.replace(found.iter().map(|name| name.trim().to_owned()).collect());
+        let names: Vec<String> = found.iter().map(|name| name.trim().to_owned()).collect();
         let missing = || (0, format!("has no column {FILE:?}; expected the name of each picture in it"));
-        place().map(drop).ok_or_else(missing)
+        let place = names.iter().position(|name| name == FILE).ok_or_else(missing)?;
+        Ok((names, place))
     };
-    let mut levels = HashMap::new();
-    table::parse(&file, text.as_bytes(), separator, header, |cells, _| {
+    let (separator, mut levels) = (separator(text.lines().next().unwrap_or_default().as_bytes()), HashMap::new());
+    let read = |(_, place): &(Vec<String>, usize), cells: &[&str], _: &Row<'_>| {
         let mut cells: Vec<String> = cells.iter().map(|cell| with_point(cell.trim(), separator).into_owned()).collect();
-        let name = cells.remove(place().unwrap_or_default());
+        let name = cells.remove(*place);
         // Another pattern may match the file.
         let picture = found(&path.with_file_name(&name))
             .map_err(|error| (0, format!("{name:?} cannot be accessed: {error}; expected a picture for each row")))?;
@@ -160,10 +157,10 @@ fn levels(folder: &Path, pattern: &str) -> Result<Levels, StoreError> {
             Some(_) => Err((0, format!("{name} appears twice; expected one row for each picture"))),
             None => Ok(()),
         }
-    })?;
-    let at = place().unwrap_or_default();
-    let mut names = names.into_inner();
-    names.remove(at);
+    };
+    let ((mut names, place), _, errors) = table::parse(&file, text.as_bytes(), separator, header, read)?;
+    FileErrors::none(errors)?;
+    names.remove(place);
     for (at, name) in names.iter().enumerate() {
         let problem = if *name == Picture::PICTURE || is_reserved(name) {
             "has the name of a column of the data"

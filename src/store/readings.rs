@@ -1,23 +1,19 @@
 //! Photometer readings: CSV with the columns `channel,level,luminance_cd_m2`, or a file of another program: CGATS tables,
-//! which ArgyllCMS writes as `.ti3`, the monitor files of PsychoPy, and the calibrations of Psychtoolbox.
+//! which ArgyllCMS writes as `.ti3`, or the monitor files of PsychoPy.
 
-use std::{cell::Cell, collections::HashSet, path::Path};
+use std::{collections::HashSet, path::Path};
 
 use serde_json::Value;
 
 use super::{
     FileError, FileErrors, StoreError, Writer,
     error::RowErrors,
-    file::{folder_of, read_bytes, read_text},
-    mat::{self, Value as MatValue},
+    file::{folder_of, read_text},
     table::{self, separator, with_point},
 };
-use crate::{
-    display::{
-        Channel,
-        photometer::{ErrorLocation, MIN_LEVELS, Reading, Readings},
-    },
-    light::color::luminance_of_spectrum,
+use crate::display::{
+    Channel,
+    photometer::{ErrorLocation, MIN_LEVELS, Reading, Readings},
 };
 
 /// The columns, in the order in which they are written. Additional columns are ignored when reading.
@@ -32,12 +28,7 @@ const MAX_READINGS: usize = 4000;
 /// Reports every error, with its line and column if it is in a cell. If a column has many values that are not possible, only
 /// the first ones are listed, followed by the number of others.
 pub fn open(path: &Path) -> Result<Readings, FileErrors> {
-    let (file, bytes) = (path.display().to_string(), read_bytes(path, mat::MAX_BYTES, "a readable file")?);
-    if !mat::is_mat(&bytes) {
-        return parse(&file, &read_text(path)?);
-    }
-    let found = psychtoolbox(&bytes).map_err(|message| FileErrors::whole(&file, message))?;
-    complete(&file, found.into_iter().map(|reading| Row { reading, places: None }).collect(), Vec::new())
+    parse(&path.display().to_string(), &read_text(path)?)
 }
 
 /// Parses the text of a readings file; `file` identifies it in messages.
@@ -45,18 +36,14 @@ pub fn open(path: &Path) -> Result<Readings, FileErrors> {
 /// # Errors
 /// The same errors as [`open()`].
 pub fn parse(file: &str, text: &str) -> Result<Readings, FileErrors> {
-    let (rows, unread) = match of_other_program(file, text) {
+    let (mut rows, unread) = match of_other_program(text) {
         Some(found) => {
-            let row = |(reading, line)| Row { reading, places: Some([(line, 1); 3]) };
-            (found?.into_iter().map(row).collect(), Vec::new())
+            let found = found.map_err(|message| FileErrors::whole(file, message))?;
+            let row = |(reading, line)| Row { reading, places: [(line, 1); 3] };
+            (found.into_iter().map(row).collect(), Vec::new())
         }
-        None => rows(file, text),
+        None => rows(file, text)?,
     };
-    complete(file, rows, unread)
-}
-
-/// Checks all readings; `unread` are the errors in the rows that are not readings.
-fn complete(file: &str, mut rows: Vec<Row>, unread: Vec<FileError>) -> Result<Readings, FileErrors> {
     complete_black(&mut rows);
     let found = match Readings::new(rows.iter().map(|row| row.reading).collect()) {
         Ok(readings) if unread.is_empty() => return Ok(readings),
@@ -73,10 +60,7 @@ fn complete(file: &str, mut rows: Vec<Row>, unread: Vec<FileError>) -> Result<Re
                 continue;
             }
         };
-        errors.add(None, Some(column), || match rows[index].places {
-            Some(places) => FileError::at(file, places[column], message),
-            None => FileError::whole(file, message),
-        });
+        errors.add(None, Some(column), || FileError::at(file, rows[index].places[column], message));
     }
     let mut all = [errors.finish(file, &COLUMNS), others].concat();
     all.sort_by_key(|error| (error.position.is_none(), error.position));
@@ -101,7 +85,7 @@ fn complete_black(rows: &mut Vec<Row>) {
 /// # Errors
 /// Reports rows that are not readings, with their line and column.
 pub fn open_incomplete(path: &Path) -> Result<Vec<Reading>, FileErrors> {
-    let (rows, errors) = rows(&path.display().to_string(), &read_text(path)?);
+    let (rows, errors) = rows(&path.display().to_string(), &read_text(path)?)?;
     FileErrors::none(errors)?;
     Ok(rows.into_iter().map(|row| row.reading).collect())
 }
@@ -119,28 +103,27 @@ pub fn write(writer: &Writer, path: &Path, readings: &[Reading]) -> Result<(), S
     writer.write(path, text.as_bytes())
 }
 
-/// A reading, and the line and column of each of its cells in the order of [`COLUMNS`], if it comes from text.
+/// A reading, and the line and column of each of its cells in the order of [`COLUMNS`].
 #[derive(Clone)]
 struct Row {
     reading: Reading,
-    places: Option<[(usize, usize); 3]>,
+    places: [(usize, usize); 3],
 }
 
 /// Returns the rows that are readings, and the errors in the others.
-fn rows(file: &str, text: &str) -> (Vec<Row>, Vec<FileError>) {
+///
+/// # Errors
+/// The header lacks a column, or there are too many readings.
+fn rows(file: &str, text: &str) -> Result<(Vec<Row>, Vec<FileError>), FileErrors> {
     let separator = separator(text.lines().next().unwrap_or_default().as_bytes());
-    let columns = Cell::new([0; 3]);
     let header = |names: &[&str]| {
         let found = COLUMNS.map(|column| names.iter().position(|name| name.trim().eq_ignore_ascii_case(column)));
         let missing = COLUMNS.into_iter().zip(found).filter(|(_, index)| index.is_none()).map(|(name, _)| name);
         let missing: Vec<&str> = missing.collect();
-        columns.set(found.map(Option::unwrap_or_default));
         let message = || format!("the header lacks {}; expected the columns {}", missing.join(", "), COLUMNS.join(","));
-        if missing.is_empty() { Ok(()) } else { Err((0, message())) }
+        if missing.is_empty() { Ok(found.map(Option::unwrap_or_default)) } else { Err((0, message())) }
     };
-    let mut rows = Vec::new();
-    let read = table::parse(file, text.as_bytes(), separator, header, |cells, row| {
-        let columns = columns.get();
+    let (_, rows, errors) = table::parse(file, text.as_bytes(), separator, header, |columns, cells, row| {
         let number = |index: usize| {
             let cell = cells[columns[index]].trim();
             let message = || format!("{} {cell:?} is not a number; expected one such as 0.5", COLUMNS[index]);
@@ -148,39 +131,30 @@ fn rows(file: &str, text: &str) -> (Vec<Row>, Vec<FileError>) {
         };
         let channel: Channel = cells[columns[0]].trim().parse().map_err(|error: String| (columns[0], error))?;
         let reading = Reading { channel, level: number(1)?, luminance_cd_m2: number(2)? };
-        rows.push(Row { reading, places: Some(columns.map(|column| row.place(column))) });
-        Ok(())
-    });
-    let mut errors = read.map_or_else(|FileErrors(errors)| errors, |_| Vec::new());
-    if rows.len() > MAX_READINGS {
-        let message = format!("the number of readings is {}; expected at most {MAX_READINGS}", rows.len());
-        errors.push(FileError::whole(file, message));
+        Ok(Row { reading, places: columns.map(|column| row.place(column)) })
+    })?;
+    match rows.len() {
+        0..=MAX_READINGS => Ok((rows, errors)),
+        many => {
+            let message = format!("the number of readings is {many}; expected at most {MAX_READINGS}");
+            Err(FileErrors::whole(file, message))
+        }
     }
-    (rows, errors)
 }
 
 /// A reading, and its line in the file.
 type Found = (Reading, usize);
 
-/// Reads the readings of another program; `None` if the text is not one of these formats. Black belongs to every channel
-/// that has readings; mixed colors are not readings of a channel and are left out.
-fn of_other_program(file: &str, text: &str) -> Option<Result<Vec<Found>, FileErrors>> {
+/// Reads the readings of another program; `None` if the text is not one of these formats. Mixed colors are not readings of a
+/// channel and are left out.
+fn of_other_program(text: &str) -> Option<Result<Vec<Found>, String>> {
     // Editors may put a mark before the first character.
     let text = text.trim_start_matches('\u{feff}');
-    let first = text.split_whitespace().next().unwrap_or_default();
-    if first.starts_with("CTI") || first.starts_with("CGATS") {
-        return Some(cgats(text).map_err(|message| FileErrors::whole(file, message)));
+    match text.split_whitespace().next()? {
+        first if first.starts_with("CTI") || first.starts_with("CGATS") => Some(cgats(text)),
+        first if first.starts_with('{') => Some(psychopy(text)),
+        _ => None,
     }
-    if first.starts_with('{') {
-        return Some(psychopy(text).map_err(|message| FileErrors::whole(file, message)));
-    }
-    if text.starts_with("# Created by Octave") {
-        return Some(Err(FileErrors::whole(
-            file,
-            "is a text file of Octave; expected one that was saved with save -v7",
-        )));
-    }
-    None
 }
 
 /// Reads a CGATS table with the fields `RGB_R`, `RGB_G`, `RGB_B` and `XYZ_Y`.
@@ -265,9 +239,10 @@ fn cgats(text: &str) -> Result<Vec<Found>, String> {
     };
     let channels: Vec<Channel> = Channel::ALL.into_iter().filter(is_curve).collect();
     found.retain(|(one, _)| channels.contains(&one.channel));
-    for (_, y, line) in rows.iter().filter(|(rgb, ..)| *rgb == [0.0; 3]) {
-        let black = |channel: &Channel| (Reading { channel: *channel, level: 0.0, luminance_cd_m2: y * scale }, *line);
-        found.extend(channels.iter().map(black));
+    if let Some(channel) = channels.first() {
+        let blacks = rows.iter().filter(|(rgb, ..)| *rgb == [0.0; 3]);
+        let black = |y: f64| Reading { channel: *channel, level: 0.0, luminance_cd_m2: y * scale };
+        found.extend(blacks.map(|(_, y, line)| (black(*y), *line)));
     }
     Ok(found)
 }
@@ -298,56 +273,6 @@ fn psychopy(text: &str) -> Result<Vec<Found>, String> {
         let reading =
             |(level, luminance_cd_m2): (&f64, f64)| Reading { channel, level: level / 255.0, luminance_cd_m2 };
         found.extend(levels.iter().zip(lums).map(reading).map(|reading| (reading, 1)));
-    }
-    Ok(found)
-}
-
-/// Reads the newest calibration in a file of Psychtoolbox: `cals`, or `cal` alone. The light of each primary is its spectrum
-/// `P_device`, in W/(sr·m²) per band, times its raw gamma table; what remains at black is `P_ambient`.
-fn psychtoolbox(bytes: &[u8]) -> Result<Vec<Reading>, String> {
-    let file = mat::variables(bytes)?;
-    let cal = match file.field("cals").or_else(|| file.field("cal")) {
-        Some(MatValue::List(all)) => all.last(),
-        one => one,
-    };
-    let cal = cal.ok_or("has no variable cals; expected a calibration of Psychtoolbox")?;
-    let lacking = |name: &str| format!("the calibration has no numbers {name}; expected those of Psychtoolbox");
-    let numbers = |of: Option<&MatValue>, name: &str| -> Result<Vec<f64>, String> {
-        of.and_then(|of| of.numbers(name))
-            .filter(|all| !all.is_empty())
-            .map(<[f64]>::to_vec)
-            .ok_or_else(|| lacking(name))
-    };
-    let raw = cal.field("rawdata").or_else(|| cal.field("rawData"));
-    let (inputs, table) = (numbers(raw, "rawGammaInput")?, numbers(raw, "rawGammaTable")?);
-    let (spectra, dark) = (numbers(Some(cal), "P_device")?, numbers(Some(cal), "P_ambient")?);
-    let [start_nm, step_nm, bands] = numbers(Some(cal), "S_device")?[..] else { return Err(lacking("S_device")) };
-    let (bands, width) = (bands as usize, cal.numbers("nDevices").map_or(3.0, |devices| devices[0]) as usize);
-    let channels = match width {
-        1 => &[Channel::Gray][..],
-        3 => &Channel::ALL[..3],
-        _ => return Err(format!("the calibration has {width} primaries; expected 3, or 1 for gray")),
-    };
-    // The table has the columns of the spectra: one for each primary, and behind them those of what changes in their shape.
-    let columns = spectra.len() / bands.max(1);
-    let rows = table.len() / columns.max(1);
-    let fits = [bands * columns == spectra.len(), rows * columns == table.len(), dark.len() == bands, columns >= width];
-    if fits.contains(&false) || ![rows, width * rows].contains(&inputs.len()) {
-        let names = "rawGammaInput, rawGammaTable, P_device, P_ambient and S_device";
-        return Err(format!("the sizes of {names} do not fit together; expected a calibration of Psychtoolbox"));
-    }
-    let light = |spectrum: &[f64]| luminance_of_spectrum(spectrum, start_nm, step_nm);
-    let black = light(&dark);
-    // Before 2006, levels were codes.
-    let full = if inputs.iter().any(|level| *level > 1.0) { 255.0 } else { 1.0 };
-    let mut found = Vec::new();
-    for (index, channel) in channels.iter().enumerate() {
-        let white = light(&spectra[index * bands..][..bands]);
-        let levels = if inputs.len() == rows { &inputs[..] } else { &inputs[index * rows..][..rows] };
-        let of = |(level, share): (&f64, &f64)| (level / full, black + white * share);
-        let read = levels.iter().zip(&table[index * rows..][..rows]).map(of).filter(|(level, _)| *level > 0.0);
-        let all = [(0.0, black)].into_iter().chain(read);
-        found.extend(all.map(|(level, luminance_cd_m2)| Reading { channel: *channel, level, luminance_cd_m2 }));
     }
     Ok(found)
 }

@@ -25,7 +25,7 @@ pub(super) struct Row<'a> {
     /// The cells as bytes.
     pub record: &'a ByteRecord,
     content: Content<'a>,
-    separator: u8,
+    pub separator: u8,
     /// The reader's position before the row, from which it can be read again. There may be line ends between this position and
     /// the row.
     pub start: &'a Position,
@@ -228,46 +228,42 @@ pub(super) fn with_point(text: &str, separator: u8) -> Cow<'_, str> {
     text.into()
 }
 
-/// Reads the rows of a small table. `header` checks the first row; if it reports an error in the first cell, the table
-/// is of a different kind, and its rows are not read.
+/// Reads a small table: `header` checks the first row and returns what `row` needs to read the others, such as the places of
+/// columns. Returns that, the rows that could be read, and the errors in the others.
 ///
 /// # Errors
-/// Reports every error, with its line and column.
-pub(super) fn parse<T>(
+/// Reports an error in the header, with its line and column.
+pub(super) fn parse<H, T>(
     file: &str,
     text: &[u8],
     separator: u8,
-    header: impl FnOnce(&[&str]) -> Result<(), CellError>,
-    mut row: impl FnMut(&[&str], &Row<'_>) -> Result<T, CellError>,
-) -> Result<Vec<T>, FileErrors> {
-    let (mut rows, mut errors, mut header, mut width) = (Vec::new(), Vec::new(), Some(header), 0);
+    header: impl FnOnce(&[&str]) -> Result<H, CellError>,
+    mut row: impl FnMut(&H, &[&str], &Row<'_>) -> Result<T, CellError>,
+) -> Result<(H, Vec<T>, Vec<FileError>), FileErrors> {
+    let (mut rows, mut errors, mut header, mut head) = (Vec::new(), Vec::new(), Some(header), None);
     let content = Content { bytes: text, is_sheet: false };
     rows_from(content, separator, None, |found| {
         let mut error = |(cell, message): CellError| errors.push(FileError::at(file, found.place(cell), message));
         let Ok(cells) = found.record.iter().map(std::str::from_utf8).collect::<Result<Vec<&str>, _>>() else {
             error((found.text().err().unwrap_or(0), "the row is not UTF-8 text; expected UTF-8".to_owned()));
-            return true;
+            return head.is_some();
         };
         if let Some(check) = header.take() {
-            width = cells.len();
-            if let Err((cell, message)) = check(&cells) {
-                error((cell, message));
-                return cell > 0;
-            }
-        } else if cells.len() != width {
+            head = check(&cells).map(|head| (head, cells.len())).map_err(error).ok();
+        } else if let Some((_, width)) = &head
+            && cells.len() != *width
+        {
             error((0, format!("the number of cells in the row is {}; expected {width}", cells.len())));
-        } else {
-            match row(&cells, found) {
-                Ok(row) => rows.push(row),
-                Err(found) => error(found),
-            }
+        } else if let Some((head, _)) = &head {
+            rows.extend(row(head, &cells, found).map_err(error));
         }
-        true
+        head.is_some()
     });
-    if header.is_some() {
-        errors.push(FileError::at(file, (1, 1), "the file is empty; expected a header row".to_owned()));
+    match head {
+        Some((head, _)) => Ok((head, rows, errors)),
+        None if errors.is_empty() => Err(FileErrors::at(file, (1, 1), "the file is empty; expected a header row")),
+        None => Err(FileErrors(errors)),
     }
-    if errors.is_empty() { Ok(rows) } else { Err(FileErrors(errors)) }
 }
 
 /// Checks that a header has these columns.

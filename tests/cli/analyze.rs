@@ -460,7 +460,7 @@ fn tables_of_other_programs_are_understood_or_refused_with_a_reason() {
         ("q.csv", &["--terms", "count"], 0, ""),
         ("bars.csv", &["--terms", "count"], 0, ""),
         ("carets.csv", &["--terms", "count"], 1, "the first line has one cell, \"id^a:b^count^trial^y\"; expected the"),
-        ("title.csv", &["--terms", "count"], 1, "the first line has one cell, and a line below it several"),
+        ("title.csv", &["--terms", "count"], 1, "the first line has one cell at most, and a line below it several"),
         ("r.csv", &["--terms", "count"], 0, ""),
         ("ends.csv", &["--terms", "count"], 0, ""),
     ] {

@@ -289,24 +289,19 @@ fn repair_moves_damaged_lines_and_deletes_no_byte() {
 }
 
 #[test]
-fn an_analysis_tells_missing_rows_and_a_repair_notes_them() {
+fn a_repair_notes_missing_rows() {
     let folder = tempfile::tempdir().unwrap();
     recording::rate(&mut create(folder.path()).unwrap(), (&small(), &identity()), None, 5, false).unwrap();
     let csv = paths(folder.path()).csv;
-    let analyzed = || machband(folder.path(), &["counts", "small-one", "--out", "counts.csv", "--force"]);
-    assert!(!text(&analyzed().stderr).contains("without a row"));
     // Rows 1 and 2 are practice, so this is the second main trial.
     edit(&csv, |text| text.split_inclusive('\n').enumerate().filter(|(i, _)| *i != 4).map(|(_, line)| line).collect());
     let gap = "row S001_1_main_0003_1 has no row of main trial 2 above it";
     assert!(errors(&csv).contains(&format!("_data.csv:5:1: {gap}")), "{}", errors(&csv));
-    let warning = text(&analyzed().stderr);
-    assert!(warning.contains("main trials without a row, although later trials have one: 1"), "{warning}");
     assert!(succeeds(folder.path(), &["repair", "small-one"]).contains("no line is damaged, but rows are missing"));
     assert!(verified(&csv).notes.join("; ").contains("repaired: rows are missing"));
     assert!(succeeds(folder.path(), &["repair", "small-one"]).contains("_data.csv: no line is damaged\n"));
     let (mut store, found) = resume(folder.path()).unwrap();
     sit(&mut store, Some(&found), usize::MAX);
-    assert!(!text(&analyzed().stderr).contains("without a row"));
 }
 
 /// Records one session of `quick` with the simulated observer.

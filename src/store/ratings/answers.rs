@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::{
     files::Header,
-    reader::{alike, how_read},
+    reader::{about_ids, alike, how_read},
     rows::{MAX_ROWS, RowError, Rows, Status, is_mark, is_missing},
     selection::{Columns as Places, Input, has_session_rows},
     source::Layout,
@@ -94,7 +94,7 @@ fn answers(mut input: Input, columns: &AnswerColumns) -> Result<AnswersRead, Sto
     let mut notes: Vec<FileError> = how_read(&input, &rows).collect();
     if let Some(subject) = used.subject {
         notes.extend(input.header.note_of_subject(&input.name, subject).filter(|_| columns.subject.is_none()));
-        notes.extend(alike(&input.name, None, &[&rows.columns[subject]]));
+        notes.extend(about_ids(&input.name, &[&rows.columns[subject]]));
     }
     let factors = columns.factors.iter().zip(&used.factors);
     notes.extend(factors.filter_map(|(name, cell)| alike(&input.name, Some(name), &[&rows.columns[*cell]])));

@@ -66,6 +66,7 @@ struct Cells<'a> {
     counts: Values<'a, u64>,
     repetitions: Values<'a, Option<u32>>,
     orders: Values<'a, Option<f64>>,
+    times: Values<'a, Option<f64>>,
     /// Whether the rating is marked as simulated.
     marks: Option<Mapped<'a, bool>>,
 }
@@ -96,6 +97,7 @@ impl<'a> Cells<'a> {
             counts: columns.count.map(|column| (column, texts(column).map(rows::count))),
             repetitions: repetition.map(|column| (column, texts(column).map(rows::repetition))),
             orders: columns.order.map(|column| (column, texts(column).map(rows::position))),
+            times: columns.time.map(|column| (column, texts(column).map(rows::seconds))),
             marks: columns.simulated.map(|column| texts(column).map(rows::is_mark)),
             selection,
             known,
@@ -153,16 +155,6 @@ impl<'a> Cells<'a> {
         let session = || self.input.columns.session.map_or("", |session| self.text(row, session));
         Ok(value(&self.orders, row)?.flatten().map(|position| (session(), position)))
     }
-
-    /// Returns the response time in seconds, if it is known.
-    fn response_time_s(&self, row: usize) -> Result<Option<f64>, RowError> {
-        match self.input.columns.time.zip(self.rows.times.get(row)) {
-            Some((column, &seconds)) if seconds < 0.0 || seconds.is_infinite() => {
-                Err(RowError::new(row, column, "seconds, 0 or more"))
-            }
-            found => Ok(found.map(|(_, seconds)| *seconds).filter(|seconds| seconds.is_finite())),
-        }
-    }
 }
 
 /// Calls `add` for every row of a file that counts. Collects the errors in the rows.
@@ -189,7 +181,7 @@ pub(super) fn add_rows(
         // An unreadable position or time is an error, but the rating still counts, unless its time decides that.
         let place = known_or(cells.place(row), |error| report(errors, error));
         let position = known_or(cells.position(row), |error| report(errors, error));
-        let response_time_s = match cells.response_time_s(row) {
+        let response_time_s = match value(&cells.times, row).map(Option::flatten) {
             Err(error) if limits != (None, None) => return Err(error),
             found => known_or(found, |error| report(errors, error)),
         };

@@ -292,7 +292,7 @@ pub(in crate::store) struct Header {
     pub first: Option<Vec<String>>,
     /// Number of rows below the header that are part of it.
     pub labels: usize,
-    /// True if a row below the header has more cells, of which the header has one.
+    /// True if the header has one text at most, and a row below it has several.
     pub is_title: bool,
     /// SHA-256 of the file, unless it is large.
     pub sha256: Option<String>,
@@ -319,7 +319,7 @@ impl Header {
     /// Returns the head of a table in memory.
     pub fn of(columns: Columns) -> Self {
         let names: Vec<String> = columns.names().map(|name| name.trim().to_owned()).collect();
-        let first = (columns.rows() > 0).then(|| (0..names.len()).map(|column| columns.cell(0, column)).collect());
+        let first = (columns.rows() > 0).then(|| (0..names.len()).map(|column| columns.texts(column).get(0).to_owned()).collect());
         Self { names, separator: b',', first, columns: Some(columns), ..Self::default() }
     }
 
@@ -370,7 +370,8 @@ impl Header {
         if below.get(1).is_some_and(|row| row.iter().any(|cell| cell.starts_with("{\"ImportId\""))) {
             self.labels = MAX_LABELS;
         }
-        self.is_title = self.names.len() == 1 && below.iter().any(|row| row.len() > 1);
+        let texts = |row: &Vec<String>| row.iter().filter(|cell| !cell.is_empty()).count();
+        self.is_title = texts(&self.names) < 2 && below.iter().any(|row| texts(row) > 1);
         // R has no name for its row numbers, and other programs none for what follows the last separator.
         if below.len() > 1 && below.iter().all(|row| row.len() == self.names.len() + 1) {
             if below.iter().all(|row| row.last().is_some_and(String::is_empty)) {

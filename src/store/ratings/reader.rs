@@ -2,7 +2,7 @@
 //! determine which rows count, and pass those rows to the caller.
 
 use std::{
-    collections::{HashMap, HashSet},
+    collections::HashMap,
     path::{Path, PathBuf},
 };
 
@@ -16,7 +16,7 @@ use super::{
     source::{FileRead, Layout, ReadOptions, Reason, SessionRead, Shape, Source},
 };
 use crate::{
-    experiment::{Phase, Protocol, RatingRow},
+    experiment::{Phase, RatingRow},
     store::{Columns, FileError, FileErrors, StoreError, columns::Texts, dataset, recorded::interrupted},
     text::names::natural,
 };
@@ -125,7 +125,6 @@ fn read_inputs<T>(
     }
     let errors = in_order(errors, files).0;
     let mut warnings = warnings(&selection.inputs)?;
-    warnings.extend(gaps(&selection, &sessions, &reports));
     warnings.extend(notes.into_iter().chain(missing(&selection, &reports, words)));
     sessions.sort_by(|a, b| natural(&a.subject, &b.subject).then_with(|| natural(&a.session, &b.session)));
     let Selection { shape, protocol, definition_sha256, .. } = selection;
@@ -140,13 +139,24 @@ fn about_names(selection: &Selection, options: &ReadOptions, tables: &[Rows]) ->
     if options.subject.is_none() && first.columns.record.is_none() {
         notes.extend(first.header.note_of_subject(&first.name, first.columns.subject));
     }
-    notes.extend(alike(&first.name, None, &column_of(&selection.inputs, tables, |columns| columns.subject)));
+    notes.extend(about_ids(&first.name, &column_of(&selection.inputs, tables, |columns| columns.subject)));
     // Levels are those of the definition, if there is one.
     let factors = selection.shape.factors.iter().take(first.columns.factors.len()).enumerate();
     notes.extend(factors.filter(|_| selection.protocol.is_none()).filter_map(|(index, name)| {
         alike(&first.name, Some(name), &column_of(&selection.inputs, tables, |columns| columns.factors[index]))
     }));
     notes
+}
+
+/// Says which IDs of participants look alike, and which ones a spreadsheet has rounded, such as 5.1E+23.
+pub(super) fn about_ids(file: &str, column: &[&Texts]) -> impl Iterator<Item = FileError> {
+    let is_digits = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit() || b".,".contains(&byte));
+    let is_rounded = |id: &&Box<str>| id.split_once("E+").is_some_and(|(a, b)| is_digits(a) && is_digits(b));
+    let rounded = column.iter().flat_map(|file| &file.texts).find(is_rounded).map(|id| {
+        let message = format!("the ID {id} is a rounded number, and may stand for several; expected IDs as text");
+        FileError::whole(file, message)
+    });
+    alike(file, None, column).into_iter().chain(rounded)
 }
 
 /// Says which IDs of participants, or levels of a factor, look alike in a column of all files.
@@ -272,29 +282,6 @@ fn warnings(inputs: &[Input]) -> Result<Vec<FileError>, FileErrors> {
     Ok(warnings)
 }
 
-/// Returns a warning for each session of which rows are missing between others. An adaptive method leaves out trials, and
-/// rows with errors are reported as such.
-fn gaps(selection: &Selection, sessions: &[SessionRead], reports: &[FileRead]) -> Vec<FileError> {
-    let is_planned = |protocol: &Protocol| protocol.adaptive.is_none() && protocol.task.ranking().is_none();
-    if !selection.protocol.as_ref().is_some_and(is_planned) {
-        return Vec::new();
-    }
-    let with_errors: HashSet<&PathBuf> =
-        reports.iter().filter(|report| report.erroneous > 0).map(|report| &report.path).collect();
-    let is_unexplained = |session: &&SessionRead| {
-        let is_whole = session.sidecar.as_ref().is_some_and(|sidecar| !sidecar.is_repaired());
-        session.skipped > 0 && is_whole && !with_errors.contains(&session.path)
-    };
-    let warning = |session: &SessionRead| {
-        let message = format!(
-            "main trials without a row, although later trials have one: {}; expected a row for every trial before the last",
-            session.skipped
-        );
-        FileError::whole(&session.path, message)
-    };
-    sessions.iter().filter(is_unexplained).map(warning).collect()
-}
-
 /// Returns the warning about what tables of counts do not contain; `None` if there are no such tables.
 fn counts_warning(inputs: &[Input]) -> Option<FileError> {
     let first = inputs.iter().find(|input| input.layout == Layout::Counts)?;
@@ -315,7 +302,6 @@ fn sessions(selection: &Selection, tables: &mut [Rows]) -> Vec<SessionRead> {
                 path: input.path.clone(),
                 planned: input.protocol.as_ref().map(|protocol| protocol.main_trials() as u64),
                 rated: 0,
-                skipped: 0,
                 sidecar: input.sidecar.clone(),
             });
             sessions.len() as u32 - 1
@@ -404,15 +390,8 @@ struct Attempt {
 fn decide(mut attempts: Vec<Attempt>, sessions: &mut [SessionRead], files: &mut [Rows]) {
     attempts.sort_unstable();
     let trial = |row: &Attempt| (row.session, row.is_main, row.trial);
-    let mut furthest = (u32::MAX, 0);
     for same_trial in attempts.chunk_by(|a, b| trial(a) == trial(b)) {
         let last = same_trial.last().map(|row| row.attempt);
-        let Attempt { session, is_main, trial, .. } = same_trial[0];
-        if is_main {
-            let before = if furthest.0 == session { furthest.1 } else { 0 };
-            sessions[session as usize].skipped += u64::from(trial - before - 1);
-            furthest = (session, trial);
-        }
         for same in same_trial.chunk_by(|a, b| a.attempt == b.attempt) {
             let (first, session) = (same[0], &mut sessions[same[0].session as usize]);
             let mut set = |row: &Attempt, status| files[row.file as usize].status[row.row as usize] = status;

@@ -2,7 +2,8 @@
 
 use std::{
     borrow::Cow,
-    collections::{BTreeMap, BTreeSet},
+    collections::BTreeMap,
+    ops::RangeInclusive,
 };
 
 use csv::{ByteRecord, Position};
@@ -28,8 +29,6 @@ const MARK: usize = 64;
 pub(super) struct Rows {
     /// The columns, as in the file; those that are not needed are empty. An unreadable row has empty texts.
     pub columns: Vec<Texts>,
-    /// The response times in seconds: NaN if missing, and negative if unreadable. Empty if they are not needed.
-    pub times: Vec<f64>,
     /// How each row is used.
     pub status: Vec<Status>,
     pub errors: RowErrors,
@@ -90,13 +89,12 @@ impl Rows {
     /// A cell that is used has no exact value, or a zero byte.
     pub fn read(input: &Input) -> Result<Self, FileError> {
         let header = &input.header;
-        let needed = input.columns.texts();
-        let used: BTreeSet<usize> = needed.iter().copied().chain(input.columns.time).collect();
+        let used = input.columns.used();
         if let Some(columns) = &header.columns {
-            let texts = |column: usize| if needed.contains(&column) { columns.texts(column) } else { Texts::default() };
+            let texts =
+                |column: usize| if used.contains(&column) { columns.texts(column).clone() } else { Texts::default() };
             let mut rows = Self {
                 columns: (0..header.names.len()).map(texts).collect(),
-                times: input.columns.time.map_or_else(Vec::new, |column| columns.numbers(column, seconds)),
                 status: vec![Status::Counts(0); columns.rows()],
                 ..Self::default()
             };
@@ -115,8 +113,6 @@ impl Rows {
         let mut rows = Self { foreign: header.foreign, ..Self::default() };
         let mut columns: Vec<Interner> = header.names.iter().map(|_| Interner::default()).collect();
         let mut heads = 1 + header.labels;
-        let Columns { subject, session, record, .. } = input.columns;
-        let ids = [Some(subject), session, record.map(|own| own.session)];
         table::rows_from(header.content(), header.separator, header.start.as_ref(), |row| {
             let incomplete = if input.layout == Layout::Results { interrupted(row) } else { None };
             if heads > 0 {
@@ -150,21 +146,40 @@ impl Rows {
                     }
                 };
                 let cell = |column| text.and_then(|text| text.get(record.range(column)?)).unwrap_or_default().trim();
-                let value = |column| with_point(cell(column), header.separator);
-                for &column in &needed {
-                    match ids.contains(&Some(column)) {
-                        true => columns[column].push(cell(column)),
-                        false => columns[column].push(&value(column)),
-                    }
-                }
-                rows.times.extend(input.columns.time.map(|column| seconds(&value(column))));
+                used.iter().for_each(|&column| columns[column].push(cell(column)));
                 rows.status.push(if text.is_some() { Status::Counts(0) } else { Status::Wrong });
             }
             rows.status.len() <= MAX_ROWS
         });
         rows.columns = columns.into_iter().map(Interner::finish).collect();
+        rows.replace_commas(input)?;
         rows.unwrap_answers(input);
         Ok(rows)
+    }
+
+    /// Replaces decimal commas by points, except in IDs.
+    ///
+    /// # Errors
+    /// Commas or points seem to separate thousands.
+    fn replace_commas(&mut self, input: &Input) -> Result<(), FileError> {
+        let Columns { subject, session, record, .. } = input.columns;
+        let ids = [Some(subject), session, record.map(|own| own.session)];
+        let separator = input.header.separator;
+        let columns = self.columns.iter_mut().enumerate();
+        for (index, column) in columns.filter(|(index, _)| separator != b',' && !ids.contains(&Some(*index))) {
+            if let Some(grouped) = [',', '.'].into_iter().find_map(|mark| with_thousands(&column.texts, mark)) {
+                let name = &input.header.names[index];
+                let expected = "expected numbers without marks between thousands, or with another number of decimals";
+                let message = format!("it is not clear whether {grouped} in the column {name} has decimals; {expected}");
+                return Err(input.error(index, message));
+            }
+            column.texts.iter_mut().for_each(|text| {
+                if let Cow::Owned(number) = with_point(text, separator) {
+                    *text = number.into();
+                }
+            });
+        }
+        Ok(())
     }
 
     /// Replaces responses in JSON by their values.
@@ -187,7 +202,7 @@ impl Rows {
     /// Returns an error with its place.
     fn placed(&self, error: &RowError, input: &Input, inputs: &[Input]) -> FileError {
         if let Some(columns) = &input.header.columns {
-            let message = error.message(input, inputs, |column| columns.cell(error.row, column));
+            let message = error.message(input, inputs, |column| columns.texts(column).get(error.row).to_owned());
             let place = format!("{}, row {} (counted from 0)", input.name, error.row);
             return FileError { rows: vec![error.row], ..FileError::whole(place, message) };
         }
@@ -319,6 +334,21 @@ fn common_form(id: &str) -> String {
     form
 }
 
+/// Returns a number such as 1,000 if every number of a column with this mark has three digits behind it, and others are
+/// whole numbers from 100: then the mark may separate thousands.
+fn with_thousands(texts: &[Box<str>], mark: char) -> Option<&str> {
+    let is_whole = |text: &str, digits: RangeInclusive<usize>| {
+        digits.contains(&text.len()) && !text.starts_with('0') && text.bytes().all(|byte| byte.is_ascii_digit())
+    };
+    let mut marked = texts.iter().filter_map(|text| Some((&**text, text.split_once(mark)?)));
+    let first = marked.clone().next()?.0;
+    let is_grouped = |(_, (before, after)): (&str, (&str, &str))| {
+        is_whole(before, 1..=3) && after.len() == 3 && after.bytes().all(|byte| byte.is_ascii_digit())
+    };
+    let is_large = |text: &Box<str>| is_whole(text, 3..=9);
+    (marked.all(is_grouped) && texts.iter().any(is_large)).then_some(first)
+}
+
 /// Returns the number in a cell; `None` for other texts and missing values.
 pub(super) fn number(text: &str) -> Option<f64> {
     text.parse().ok().filter(|number: &f64| !number.is_nan())
@@ -399,12 +429,15 @@ pub(super) fn position(text: &str) -> Result<Option<f64>, &'static str> {
     }
 }
 
-/// Returns a response time in seconds: NaN if it is missing, and negative if it is not a time.
-pub(super) fn seconds(text: &str) -> f64 {
+/// Returns a response time in seconds; `None` if it is missing.
+///
+/// # Errors
+/// Says what was expected.
+pub(super) fn seconds(text: &str) -> Result<Option<f64>, &'static str> {
     match text.parse() {
-        _ if is_missing(text, true) => f64::NAN,
-        Ok(seconds) if f64::is_finite(seconds) && seconds >= 0.0 => seconds,
-        _ => -1.0,
+        _ if is_missing(text, true) => Ok(None),
+        Ok(seconds) if f64::is_finite(seconds) && seconds >= 0.0 => Ok(Some(seconds)),
+        _ => Err("seconds, 0 or more"),
     }
 }
 

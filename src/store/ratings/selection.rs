@@ -141,11 +141,11 @@ impl Selection {
 }
 
 impl Columns {
-    /// Returns the columns that are read as texts.
-    pub fn texts(&self) -> BTreeSet<usize> {
+    /// Returns the columns that are read.
+    pub fn used(&self) -> BTreeSet<usize> {
         let mut all = BTreeSet::from([self.subject]);
         all.extend(&self.responses);
-        let single = [self.count, self.session, self.repetition, self.order, self.simulated].into_iter();
+        let single = [self.count, self.session, self.repetition, self.time, self.order, self.simulated].into_iter();
         all.extend(self.factors.iter().copied().chain(single.chain(self.unnamed).flatten()));
         if let Some(own) = self.record {
             all.extend([own.session, own.phase, own.trial]);
@@ -227,8 +227,8 @@ impl Input {
         let places: Vec<usize> = header.positions(name).collect();
         match places[..] {
             [] if header.is_title => {
-                let message = "the first line has one cell, and a line below it several; expected the names of the columns: remove \
-                               the lines above them";
+                let message = "the first line has one cell at most, and a line below it several; expected the names of the columns: \
+                               remove the lines above them";
                 Err(self.error(0, message.to_owned()))
             }
             [] if header.names.len() == 1 && !self.in_memory() => {
@@ -478,7 +478,7 @@ fn columns(file: &Input, factors: &[String], options: &ReadOptions) -> Result<Co
         simulated: header.position(SIMULATED).filter(|_| !options.is_factor(SIMULATED)),
         unnamed: [None; 2],
     };
-    let read = columns.texts();
+    let read = columns.used();
     let unnamed = |names: &[&str]| names.iter().find_map(|name| header.position(name)).filter(|at| !read.contains(at));
     columns.unnamed = [unnamed(&["phase", "trial_type"]), unnamed(&["attempt"])];
     let mut taken = HashSet::new();

@@ -158,8 +158,6 @@ pub struct SessionRead {
     pub planned: Option<u64>,
     /// Number of rated main trials.
     pub rated: u64,
-    /// Number of main trials without a row, before the last one that has a row.
-    pub skipped: u64,
     /// The sidecar, without its definition, its columns and the hashes of its pictures.
     pub sidecar: Option<Arc<Sidecar>>,
 }
