@@ -39,7 +39,7 @@ impl Method for ByEye {
     type Run = MatchRun;
 
     const BEGIN: &'static str = "Begin";
-    const FORMAT: &'static str = "CSV written by this page.";
+    const FORMAT: &'static str = "A CSV file that this page has written can be used again.";
     const GROUND: Color32 = theme::DARK_PAGE;
     const INTRODUCTION: &'static str = "This needs no photometer. If one of every four rows in a field is lit, the \
         field emits a quarter of the full light, whatever the screen's gamma. Adjust the square in the field until it \

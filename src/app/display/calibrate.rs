@@ -96,15 +96,12 @@ pub struct Calibrate<M: Method> {
     /// What is known about the screen apart from these measurements.
     known: DisplayProfile,
     method: M,
-    /// Path for the new measurements.
+    /// Path of the measurements.
     path: String,
+    /// Why they cannot be read, or no run can begin; empty otherwise.
+    error: String,
     /// Whether to measure red, green and blue, and whether to measure gray.
     channels: [bool; 2],
-    /// Path of existing measurements to use instead.
-    file: String,
-    /// Why it cannot be used.
-    file_error: String,
-    error: Option<String>,
     /// The current run.
     run: Option<M::Run>,
     /// The findings, once there are measurements.
@@ -112,11 +109,10 @@ pub struct Calibrate<M: Method> {
 }
 
 impl<M: Method> Calibrate<M> {
-    /// Creates the settings page for the screen that `known` describes.
-    pub fn new(method: M, known: DisplayProfile, channels: [bool; 2]) -> Self {
-        let path = format!("calibration/{}.csv", M::ITEMS);
-        let (file, file_error, error) = Default::default();
-        Self { known, method, path, channels, file, file_error, error, run: None, found: None }
+    /// Creates the settings page, on which these channels are chosen: red, green and blue; gray.
+    pub fn new(method: M, channels: [bool; 2]) -> Self {
+        let (known, path) = (DisplayProfile::default(), format!("calibration/{}.csv", M::ITEMS));
+        Self { known, method, path, error: String::new(), channels, run: None, found: None }
     }
 
     /// Draws the settings. `viewing` is `None` if the viewing distance or the screen's width is unknown.
@@ -125,7 +121,11 @@ impl<M: Method> Calibrate<M> {
         let back = tool_page(ui, M::TITLE, |ui| {
             paragraph(ui, M::INTRODUCTION);
             ui.add_space(8.0);
-            Field::new("Save the measurements in").column(LABELS).width(380.0).text(ui, &mut self.path);
+            let field = Field::new("File of measurements").column(LABELS).slot().error(&self.error);
+            let (field, chosen) = field.path(ui, &mut self.path, (FileKind::Data, "Choose a file…"));
+            if chosen || field.changed() {
+                self.error.clear();
+            }
             if M::HAS_CHANNELS {
                 Field::new("Channels").column(LABELS).show(ui, |ui, _| {
                     ui.horizontal(|ui| {
@@ -152,25 +152,22 @@ impl<M: Method> Calibrate<M> {
             }
             let text = if is_there { "Resume" } else { M::BEGIN };
             begin = neutral_primary(ui, text, estimate.is_ok(), "Full screen. Press Esc to pause.");
-            self.error.iter().for_each(|message| show_error(ui, message));
-            use_file = self.file_field(ui);
+            use_file = ui.add_enabled(is_there, egui::Button::new("Use this file")).clicked();
+            hint(ui, M::FORMAT);
         });
-        if use_file {
-            let source = PathBuf::from(self.file.trim());
-            match self.findings(&source) {
-                Ok(found) => (self.found, self.file_error) = (Some((source, Ok(found))), String::new()),
-                Err(errors) => self.file_error = errors,
-            }
-            ui.ctx().request_repaint();
+        let source = PathBuf::from(self.path.trim());
+        let done = if use_file {
+            self.findings(&source).map(|found| self.found = Some((source, Ok(found))))
         } else if begin {
-            match self.method.begin(&self.channels(), Path::new(self.path.trim())) {
-                Ok(run) => {
-                    full_screen(ui.ctx(), true);
-                    (self.run, self.found, self.error) = (Some(run), None, None);
-                }
-                Err(message) => self.error = Some(message),
-            }
-        }
+            self.method.begin(&self.channels(), &source).map(|run| {
+                full_screen(ui.ctx(), true);
+                self.run = Some(run);
+            })
+        } else {
+            return back;
+        };
+        self.error = done.err().unwrap_or_default();
+        ui.ctx().request_repaint();
         back
     }
 
@@ -178,23 +175,6 @@ impl<M: Method> Calibrate<M> {
         let [colors, gray] = self.channels;
         let wanted = |channel: &Channel| if *channel == Channel::Gray { gray } else { colors };
         Channel::ALL.into_iter().filter(wanted).collect()
-    }
-
-    fn file_field(&mut self, ui: &mut Ui) -> bool {
-        section(ui, format!("Or use {} from a file", M::ITEMS));
-        hint(ui, M::FORMAT);
-        let (label, browse) = (format!("File of {}", M::ITEMS), (FileKind::Data, "Choose a file…"));
-        let field = Field::new(&label).column(LABELS).error(&self.file_error);
-        let (field, chosen) = field.path(ui, &mut self.file, browse);
-        if chosen || field.changed() {
-            self.file_error.clear();
-        }
-        let entered = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
-        let is_named = !self.file.trim().is_empty();
-        let used = Field::new("")
-            .column(LABELS)
-            .show(ui, |ui, _| ui.add_enabled(is_named, egui::Button::new("Use this file")).clicked());
-        used || entered && is_named
     }
 
     fn show_run(&mut self, ui: &mut Ui) {
@@ -269,9 +249,8 @@ impl<M: Method> Tool for Calibrate<M> {
         }
     }
 
-    fn reopen(&mut self, known: &DisplayProfile) -> bool {
-        self.known = known.clone();
-        true
+    fn open(&mut self, known: DisplayProfile) {
+        self.known = known;
     }
 }
 

@@ -23,9 +23,6 @@ pub trait Tool {
     /// Pauses the measurement; that of frames ends.
     fn pause(&mut self, _: &Context) {}
 
-    /// Updates what is known about the screen when the page is opened again. Returns false if the page keeps nothing, so
-    /// that a new one is created.
-    fn reopen(&mut self, _: &DisplayProfile) -> bool {
-        false
-    }
+    /// Begins with what is known about the screen.
+    fn open(&mut self, _: DisplayProfile) {}
 }
