@@ -79,7 +79,7 @@ fn show_patches(csv: &Path) -> Window {
     let mut window = tool("Photometer", 0.1);
     type_into(&mut window, "File of measurements", csv.to_str().unwrap());
     click(&mut window, "red, green, blue");
-    click(&mut window, "Show patches");
+    click(&mut window, "Begin");
     window
 }
 
@@ -90,7 +90,7 @@ fn a_screen_that_dims_large_areas_is_found() {
     let csv = folder.path().join("sizes.csv");
     let mut window = tool("Patch size", 0.1);
     type_into(&mut window, "File of measurements", csv.to_str().unwrap());
-    click(&mut window, "Show patches");
+    click(&mut window, "Begin");
     let mut heights = Vec::new();
     for reading in ["250", "250", "240", "210", "180"] {
         heights.push(window.get_by_label("Patch gray 255").rect().height());

@@ -170,7 +170,7 @@ fn says(window: &Window, text: &str) -> bool {
 fn measuring_pages_show_nothing_else_and_leaving_asks() {
     let folder = tempfile::tempdir().unwrap();
     for (tool, begin, shown) in
-        [("Photometer", "Show patches", "Patch gray"), ("Gamma by eye", "Begin", "rows lit"), ("Timing", "Measure", "")]
+        [("Photometer", "Begin", "Patch gray"), ("Gamma by eye", "Begin", "rows lit"), ("Timing", "Measure", "")]
     {
         let mut window = home([1000.0, 900.0], STEP_S);
         click(&mut window, "Display");

@@ -34,10 +34,6 @@ pub trait Method {
     const ITEMS: &'static str;
     /// The format of a measurement file.
     const FORMAT: &'static str;
-    /// Label of the start button.
-    const BEGIN: &'static str;
-    /// The background of a run.
-    const GROUND: Color32 = Color32::BLACK;
     /// Whether channels can be chosen.
     const HAS_CHANNELS: bool = true;
 
@@ -150,7 +146,7 @@ impl<M: Method> Calibrate<M> {
             if is_there {
                 hint(ui, "This file exists already. To resume, keep the settings. To start over, enter another file.");
             }
-            let text = if is_there { "Resume" } else { M::BEGIN };
+            let text = if is_there { "Resume" } else { "Begin" };
             begin = neutral_primary(ui, text, estimate.is_ok(), "Full screen. Press Esc to pause.");
             use_file = ui.add_enabled(is_there, egui::Button::new("Use this file")).clicked();
             hint(ui, M::FORMAT);
@@ -239,7 +235,7 @@ impl<M: Method> Tool for Calibrate<M> {
     }
 
     fn ground(&self) -> Option<Color32> {
-        self.run.is_some().then_some(M::GROUND)
+        self.run.is_some().then_some(Color32::BLACK)
     }
 
     fn pause(&mut self, ctx: &Context) {

@@ -29,7 +29,6 @@ impl Method for SizeTest {
     type Findings = SizeFindings;
     type Run = PatchRun;
 
-    const BEGIN: &'static str = "Show patches";
     const FORMAT: &'static str =
         "A CSV file can be used that has one row for each size, from the smallest to the largest.";
     const HAS_CHANNELS: bool = false;

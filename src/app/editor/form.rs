@@ -26,10 +26,6 @@ const NUMBER: f32 = 90.0;
 const OPTIONAL: f32 = 140.0;
 /// Width of a list of values to choose from, points.
 const LIST: f32 = 240.0;
-/// The whole numbers that cannot be 0.
-const FROM_ONE: [&str; 3] = ["design.repetitions", "plan.participants", "plan.sessions"];
-/// What is said of an answer without a label.
-const EMPTY_LABEL: &str = "the label is empty";
 /// Maximum number of errors shown for one field.
 const MAX_SHOWN: usize = 3;
 
@@ -356,13 +352,10 @@ pub fn add<T>(ui: &mut Ui, title: &str, entries: impl IntoIterator<Item = (T, St
 /// Returns the message of an error beside its field, without the names and the limits of the file.
 fn plain(error: &FileError) -> String {
     let name = error.key.rsplit('.').next().unwrap_or_default();
-    let is_of_field =
-        |what: &str| what.starts_with(&*error.key) || what.starts_with(&format!("{name} is ")) || what == EMPTY_LABEL;
+    let is_of_field = |what: &str| what.starts_with(&*error.key) || what.starts_with(&format!("{name} is "));
     let message = match error.message.split_once("; expected ") {
         Some((what, expected)) if !error.key.is_empty() && is_of_field(what) => format!("Enter {expected}."),
         _ => error.message.clone(),
     };
-    let least = u32::from(FROM_ONE.contains(&&*error.key));
-    let message = message.replace(&format!("from 0 to {}", u32::MAX), &format!("of {least} or more"));
-    capitalized(&message.replace(" in quotes", ""))
+    capitalized(&message.replace(&format!(" from 0 to {}", u32::MAX), "").replace(" in quotes", ""))
 }

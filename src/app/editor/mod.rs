@@ -6,7 +6,7 @@
 //! | [`page`] | the page: leaving it, saving, the summary |
 //! | [`form`] | the draft, what was typed, and the errors of each field |
 //! | [`sections`], [`task`] | the fields; those of the task, its method and its answers |
-//! | [`preview`] | one trial, the answers of a simulated observer, and the stimuli of all conditions |
+//! | [`preview`] | one trial, and the stimuli of all conditions |
 
 mod form;
 mod page;
