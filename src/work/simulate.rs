@@ -17,8 +17,8 @@ use serde::Serialize;
 use super::{RequestError, Watcher};
 use crate::{
     experiment::{
-        self, Course, FrameCount, Identity, Observer, OrderedLogit, Protocol, RowContext, Session,
-        SessionOptions, TrialRecord, UniformObserver, VisionObserver, VisionRater,
+        self, Course, FrameCount, Identity, Observer, OrderedLogit, Protocol, RowContext, Session, SessionOptions,
+        TrialRecord, UniformObserver, VisionObserver, VisionRater,
     },
     stimulus::Stimulus,
     store::{

@@ -43,7 +43,7 @@ fn a_copy_is_edited_and_saved() {
     type_into(&mut window, "Levels of width", "0.05, wide, 0.05");
     window.get_by_label_contains("Width \"wide\" is not a number; expected");
     window.get_by_label_contains("Level 0.05 of width appears twice");
-    window.get_by_label_contains("2 errors, first in Width.");
+    window.get_by_label_contains("2 errors, first in factors.width");
     type_into(&mut window, "Levels of width", "0.05, 0.5, 1");
     assert!(window.query_by_label_contains("appears twice").is_none());
     type_into(&mut window, "Repetitions", "many");
@@ -130,24 +130,21 @@ fn a_question_of_ones_own_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = duplicate("quick");
     choose(&mut window, "Add a question", "Age");
-    choose(&mut window, "Add a question", "A question of your own");
-    type_into(&mut window, "Name of Question 2", "age");
-    window.get_by_label_contains("Enter a name that no other question has.");
-    type_into(&mut window, "Name of Question 2", "dominant_eye");
-    let place = |window: &Window| window.get_by_label("Label of Question 2").rect();
-    let before = place(&window);
-    window.event(egui::Event::Text("s".to_owned()));
-    window.step();
-    assert_eq!(place(&window), before, "nothing shifts while a name is typed");
-    choose(&mut window, "Answers to Question 2", "one of several");
-    type_into(&mut window, "Answers of Question 2", "left, right, unknown");
-    type_into(&mut window, "Label of Question 2", "Your dominant eye");
-    choose(&mut window, "Add a question", "A question of your own");
-    choose(&mut window, "Answers to Question 3", "a number");
+    let add = |window: &mut Window, name: &str| {
+        type_into(window, "Or one of your own, named", name);
+        click(window, "Add");
+    };
+    add(&mut window, "age");
+    assert_eq!(window.query_all_by_label("Remove Age").count(), 1, "a name is a question once");
+    add(&mut window, "dominant_eye");
+    choose(&mut window, "Answers to Dominant eye", "one of several");
+    type_into(&mut window, "Answers of Dominant eye", "left, right, unknown");
+    type_into(&mut window, "Label of Dominant eye", "Your dominant eye");
+    add(&mut window, "height");
+    choose(&mut window, "Answers to Height", "a number");
     let protocol = save_as(&mut window, "quick-copy", folder.path());
     let fields = protocol.participant.0.iter().map(|field| (field.name.as_str(), field.kind()));
-    let expected =
-        [("age", FieldKind::Number), ("dominant_eyes", FieldKind::Choice), ("question_3", FieldKind::Number)];
+    let expected = [("age", FieldKind::Number), ("dominant_eye", FieldKind::Choice), ("height", FieldKind::Number)];
     assert!(fields.eq(expected), "{:?}", protocol.participant);
     assert_eq!(protocol.participant.0[1].choices(), ["left", "right", "unknown"]);
     assert_eq!(protocol.participant.0[1].label(), "Your dominant eye");

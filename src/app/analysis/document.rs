@@ -49,13 +49,15 @@ impl DocumentView {
         for section in &mut self.sections {
             let same = earlier.sections.iter().find(|earlier| earlier.id == section.id);
             let old = || same.into_iter().flat_map(|earlier| &earlier.blocks);
-            let mut tables = old().filter_map(|block| if let BlockView::Table(table) = block { Some(table) } else { None });
+            let mut tables =
+                old().filter_map(|block| if let BlockView::Table(table) = block { Some(table) } else { None });
             for block in &mut section.blocks {
                 match block {
                     BlockView::Text(_) => {}
                     BlockView::Table(table) => tables.next().into_iter().for_each(|earlier| table.sort_like(earlier)),
                     BlockView::Figure(figure) => {
-                        let all = old().filter_map(|block| if let BlockView::Figure(old) = block { Some(old) } else { None });
+                        let all =
+                            old().filter_map(|block| if let BlockView::Figure(old) = block { Some(old) } else { None });
                         all.for_each(|earlier| figure.follow(earlier));
                     }
                 }
@@ -93,7 +95,10 @@ impl DocumentView {
             let many = if ui.available_width() >= TWO_COLUMNS { 2 } else { 1 };
             show_blocks(ui, key.take(many));
             if is_draft {
-                return hint(ui, "There are no tests of these data yet. What needs no model, such as Description, is final.");
+                return hint(
+                    ui,
+                    "There are no tests of these data yet. What needs no model, such as Description, is final.",
+                );
             }
             let is_rest = |block: &&mut BlockView| !matches!(block, BlockView::Text(Block::Warning(_)));
             show_blocks(ui, self.sections[summary].blocks.iter_mut().filter(is_rest));

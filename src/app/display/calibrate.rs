@@ -12,7 +12,7 @@ use crate::{
         today, tool_page,
     },
     display::{Channel, DisplayProfile, Measurement, Viewing},
-    store::{StoreError, Writer, profile},
+    store::profile,
     system::found,
 };
 
@@ -276,38 +276,28 @@ impl ProfileForm {
         ] {
             Field::new(label).column(LABELS).width(340.0).text(ui, value);
         }
-        let path = self.saving.path();
-        let usable = !path.as_os_str().is_empty() && !self.name.trim().is_empty();
-        let caption = self.saving.caption("Save the profile");
-        if neutral_primary(ui, caption, usable, "The program then uses this profile.") {
-            let writer = self.saving.writer(&[]);
-            match write(&writer, &path, &self.filled(found)) {
-                Ok(()) => return Some(path),
-                Err(error) => self.saving.finish(&path, Err(error)),
+        let mut saved = None;
+        let filled = self.filled(found);
+        self.saving.export(ui, "Save the profile", &["toml"], |writer, path, _| {
+            if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+                writer.make_folder(folder)?;
             }
-        }
+            profile::write(writer, path, &filled)?;
+            saved = Some(path.to_owned());
+            Ok(())
+        });
+        hint(ui, "The program then uses this profile.");
         self.saving.show(ui);
-        None
+        saved
     }
 
     /// Returns the profile with the details that the user typed.
     fn filled(&self, found: &DisplayProfile) -> DisplayProfile {
         let some = |text: &str| Some(text.trim().to_owned()).filter(|text| !text.is_empty());
         let measured = Measurement { on: Some(today()), by: some(&self.by), with: some(&self.with) };
-        DisplayProfile { name: self.name.trim().to_owned(), measured: Some(measured), ..found.clone() }
+        let name = some(&self.name).unwrap_or_else(|| found.name.clone());
+        DisplayProfile { name, measured: Some(measured), ..found.clone() }
     }
-}
-
-/// Writes a profile, and creates its folder if necessary.
-fn write(writer: &Writer, path: &Path, profile: &DisplayProfile) -> Result<(), StoreError> {
-    if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("toml")) {
-        let what = "is not a valid profile name; expected a name that ends in .toml".to_owned();
-        return Err(StoreError::Protected { path: path.to_owned(), what });
-    }
-    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-        writer.make_folder(folder)?;
-    }
-    profile::write(writer, path, profile)
 }
 
 /// Makes the window fill the screen, or not.

@@ -45,10 +45,6 @@ pub struct DefinitionForm {
     pub errors: Vec<FileError>,
     /// The indices of the errors that this frame has shown next to their fields.
     pub shown: BTreeSet<usize>,
-    /// The labels of the fields, by their keys.
-    labels: BTreeMap<String, String>,
-    /// The answer that was just added, whose label gets the focus.
-    pub added: Option<usize>,
 }
 
 impl DefinitionForm {
@@ -195,20 +191,6 @@ impl DefinitionForm {
         lines.join("\n")
     }
 
-    /// Says how the field of a value is labeled.
-    pub fn name(&mut self, key: &str, label: &str) {
-        self.labels.entry(key.to_owned()).or_insert_with(|| label.to_owned());
-    }
-
-    /// Returns the label of the field with an error.
-    pub fn label(&self, error: &FileError) -> String {
-        let parts: Vec<&str> = error.key.split('.').filter(|part| part.parse::<usize>().is_err()).collect();
-        let label = self.labels.get(&error.key).or_else(|| self.labels.get(&parts.join("."))).cloned();
-        label
-            .or_else(|| parts.last().map(|name| capitalized(&self.factor(name))))
-            .unwrap_or_else(|| "the file".to_owned())
-    }
-
     /// Draws a text field for a value, with its errors. `about` explains it.
     pub fn text(&mut self, ui: &mut Ui, label: &str, key: &str, default: &str, about: &str) {
         let width = room(ui);
@@ -246,7 +228,6 @@ impl DefinitionForm {
         names: impl IntoIterator<Item = &'n str>,
         title: impl Fn(&str) -> String,
     ) -> Option<String> {
-        self.name(key, label);
         let (before, error) = (self.value(key, default), self.error(key));
         let mut chosen = before.clone();
         let names: Vec<String> = names.into_iter().map(ToOwned::to_owned).collect();
@@ -318,9 +299,6 @@ impl DefinitionForm {
         owner: Option<&str>,
         draw: impl FnOnce(Field<'_>, &mut String) -> Response,
     ) {
-        if !label.is_empty() {
-            self.name(key, label);
-        }
         let mut text = self.value(key, default);
         let response = draw(Field::new(label).column(LABELS).slot().error(&self.error(key)), &mut text);
         if !response.on_hover_text(about).changed() {

@@ -14,5 +14,5 @@ mod preview;
 mod sections;
 mod task;
 
-pub use page::{Editor, Saved};
+pub use page::Editor;
 pub use preview::Thumbnails;
