@@ -36,7 +36,7 @@ fn is_left(window: &mut Window, experiment: &str) {
 fn a_copy_is_edited_and_saved() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = duplicate("quick");
-    wait_for(&mut window, "4 practice and 24 trials, about 4 min");
+    wait_for(&mut window, "28 trials, 4 of them practice, about 4 min");
     wait_for(&mut window, "24 conditions");
     assert_eq!(value(&window, "Name"), "quick-copy");
     // Errors appear next to their fields, and saving waits until they are corrected.
@@ -67,7 +67,7 @@ fn a_copy_is_edited_and_saved() {
     type_into(&mut window, "Key for rating 3", "4");
     click(&mut window, "What participants read");
     type_into(&mut window, "Welcome", "Willkommen");
-    wait_for(&mut window, "4 practice and 18 trials");
+    wait_for(&mut window, "22 trials, 4 of them practice");
     wait_for(&mut window, "9 conditions");
     window.get_by_label("width 0.05; depth ∞; high 0.75");
     type_into(&mut window, "Folder", folder.path().to_str().unwrap());

@@ -1,11 +1,10 @@
-//! The stages that the photometer and matching by eye share: settings, a full-screen run that can be paused and
-//! resumed, findings, and the profile to save.
+//! What the tools have in common, and the stages that the photometer and matching by eye share: settings, a full-screen
+//! run that can be paused and resumed, findings, and the profile to save.
 
 use std::path::{Path, PathBuf};
 
 use eframe::egui::{self, Color32, Context, Ui, ViewportCommand};
 
-use super::tool::Tool;
 use crate::{
     app::ui::{
         Field, FileKind, Monitor, Saving, Step, hint, neutral_primary, paragraph, secondary, section, show_error, text,
@@ -19,6 +18,22 @@ use crate::{
 /// Width of the labels, and of a slider with its number, points.
 pub const LABELS: f32 = 210.0;
 pub const SLIDER: f32 = 240.0;
+
+/// A page that measures the screen.
+pub trait Tool {
+    /// Draws the page. `viewing` is the geometry of the screen, if it is known. `Next` leaves the page with the path of a
+    /// profile that was written.
+    fn show(&mut self, ui: &mut Ui, monitor: &Monitor, viewing: Option<&Viewing>) -> Step<PathBuf>;
+
+    /// Returns the background color while the screen is measured, which then shows nothing else; `None` for a page.
+    fn ground(&self) -> Option<Color32>;
+
+    /// Pauses the measurement; that of frames ends.
+    fn pause(&mut self, _: &Context);
+
+    /// Begins with what is known about the screen.
+    fn open(&mut self, _: DisplayProfile) {}
+}
 
 /// A way to measure the light of a screen.
 pub trait Method {

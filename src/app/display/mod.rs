@@ -2,9 +2,9 @@
 //!
 //! | file | contents |
 //! |---|---|
-//! | [`tools`], [`tool`] | what is known about the screen, and the list of tools; what tools have in common |
+//! | [`tools`] | what is known about the screen, and the list of tools |
 //! | [`card`] | measuring the screen with a bank card |
-//! | [`calibrate`] | the stages that both ways to measure light share |
+//! | [`calibrate`] | what tools have in common; the stages that both ways to measure light share |
 //! | [`photometer`], [`patch_run`] | calibration with a photometer: settings and findings; the patches |
 //! | [`sizes`] | whether the luminance depends on the size of a patch |
 //! | [`by_eye`], [`match_run`] | matching by eye: settings and findings; the matches |
@@ -18,7 +18,6 @@ mod patch_run;
 mod photometer;
 mod sizes;
 mod timing;
-mod tool;
 mod tools;
 
 pub use card::CardHelper;

@@ -4,12 +4,11 @@ use eframe::egui::{self, Color32, RichText};
 
 use super::{
     by_eye::ByEye,
-    calibrate::{Calibrate, LABELS},
+    calibrate::{Calibrate, LABELS, Tool},
     card::CardHelper,
     photometer::Photometer,
     sizes::SizeTest,
     timing::TimingTool,
-    tool::Tool,
 };
 use crate::{
     app::ui::{

@@ -104,9 +104,8 @@ impl FigureView {
         self.drawn.want(ui.ctx(), key, || {
             let mut figure = figure.clone();
             move || {
-                if dark {
-                    figure.svg = palette::on_dark(&figure.svg);
-                }
+                let drawn = if dark { palette::on_dark } else { palette::on_light };
+                figure.svg = drawn(&figure.svg);
                 let pixels = figure.pixels(px).map_err(|error| error.to_string())?;
                 let size = [pixels.width as usize, pixels.height as usize];
                 Ok(Arc::new(ColorImage::from_rgb(size, &pixels.rgb)))
