@@ -203,8 +203,7 @@ impl App {
         match step {
             Step::Stay => return,
             Step::Back => self.go(Place::Studies, false),
-            Step::Next(editor::Saved { path, renamed }) => {
-                self.memory.settings.recent.experiments.retain(|other| renamed.as_ref() != Some(other));
+            Step::Next(path) => {
                 ui::say(ui.ctx(), ui::saved(&path));
                 self.studies.choose_new(&path, &mut self.memory.settings);
             }

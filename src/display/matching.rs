@@ -15,8 +15,8 @@
 //! **Which rows.** If the field has the share p of full light, a match with the relative precision ε determines γ to
 //! within γ·ε/|ln p|: lighting one row of four is twice as precise as lighting one row of two.
 //!
-//! [`Matching`] presents the matches, [`estimate()`] derives γ from them, and [`Rows::check_patch`] shows whether a
-//! profile is right. This module has no clock, no file, and no source of randomness: the seed is an argument.
+//! [`Matching`] presents the matches, and [`estimate()`] derives γ from them. This module has no clock, no file, and no
+//! source of randomness: the seed is an argument.
 
 use rand_chacha::{
     ChaCha8Rng,
@@ -28,9 +28,6 @@ use crate::{
     light::{CodeImage, Samples, Transfer, Transfers},
     statistics::{mean_and_sd, shuffle, t_quantile},
 };
-
-/// Lit rows and rows per period in the fields of a check: a quarter, a half and three quarters of full light.
-pub const CHECKED: [(u32, u32); 3] = [(1, 4), (1, 2), (3, 4)];
 
 /// A field of rows: `lit` of every `period` rows have the largest code, and the others are dark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -72,20 +69,6 @@ impl Rows {
             codes.extend((0..width).flat_map(|x| if across && (left..left + side).contains(&x) { patch } else { row }));
         }
         CodeImage { width, height, samples: Samples::Eight(codes) }
-    }
-
-    /// Returns the 8-bit codes of a patch that vanishes in these rows on a display with `transfers` whose γ is off by
-    /// `error`: 0 for the profile itself, ± 0.2 for an example of a wrong profile.
-    pub fn check_patch(&self, transfers: &Transfers, channel: Channel, error: f64) -> [u8; 3] {
-        let share = self.share();
-        let codes = transfers.encoded_from_linear([share; 3]).map(|encoded| {
-            // For any transfer function, the exponent that maps this encoded value to this light.
-            let gamma = (share.ln() / encoded.ln() + error).max(0.1);
-            let encoded = if error == 0.0 { encoded } else { share.powf(gamma.recip()) };
-            (encoded * 255.0).round() as u8
-        });
-        let lit = channel.rgb(1);
-        std::array::from_fn(|i| lit[i] * codes[i])
     }
 }
 

@@ -363,30 +363,3 @@ impl<'de> Deserialize<'de> for Transfers {
         Form::deserialize(deserializer)?.transfers().map_err(D::Error::custom)
     }
 }
-
-/// Returns n + 1 levels at equal steps of brightness: I_j = r^j·I₀, with r = (1/I₀)^(1/n) and j = 0…n. Shoaff §2.1.1.
-///
-/// `lowest` is the lowest level relative to the highest, so 1/`lowest` is the display's dynamic range.
-///
-/// # Errors
-/// Returns an error if `lowest` is not strictly between 0 and 1, or if `n` is 0.
-pub fn equal_brightness_levels(lowest: f64, n: usize) -> Result<Vec<f64>, String> {
-    if !(lowest > 0.0 && lowest < 1.0 && n > 0) {
-        return Err(format!(
-            "lowest intensity {lowest} for {n} steps; expected an intensity between 0 and 1, relative to the highest, and at least 1 step"
-        ));
-    }
-    // r^j·I₀ = I₀^(1−j/n), which ends at exactly 1.
-    Ok((0..=n).map(|j| lowest.powf(1.0 - j as f64 / n as f64)).collect())
-}
-
-/// Returns the level j of [`equal_brightness_levels`]`(lowest, n)` that is nearest to the relative luminance `i`:
-/// ⌊log_r(i/I₀) + ½⌋, Shoaff §2.1.1.
-///
-/// The result is clamped to 0…n. An `i` of 0 or less, or NaN, gives level 0. `lowest` and `n` have the same meaning as
-/// in that function.
-pub fn nearest_equal_brightness_level(i: f64, lowest: f64, n: usize) -> usize {
-    let level = (i / lowest).ln() / lowest.recip().ln() * n as f64;
-    // `as` turns NaN and everything below 0 into 0.
-    ((level + 0.5).floor() as usize).min(n)
-}

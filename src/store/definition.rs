@@ -1,13 +1,12 @@
 //! Experiment definitions: TOML files and built-in definitions.
 
-use std::{borrow::Cow, collections::HashSet, fs, path::Path};
+use std::{borrow::Cow, collections::HashSet, path::Path};
 
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
 use super::{
     FileErrors, StoreError, Writer,
-    error::io,
     file::{read_text, sha256},
     pictures::{self, Place},
     toml::{self, TableReader, unknown_key},
@@ -125,28 +124,25 @@ pub fn from_json(file: &str, definition: &Value) -> Result<Protocol, FileErrors>
         .map_err(|errors| FileErrors(errors.into_iter().flat_map(|error| fail(error.message).0).collect()))
 }
 
-/// Writes a definition. `edited` is the path of the file that was edited and its text when it was opened, and `None` for
-/// a new file; if `to` is another path than that one, the file is renamed.
+/// Writes a definition. `opened` is the text of the file when it was opened, if it was edited, and `None` for a new file.
 ///
 /// # Errors
-/// Another program changed the file meanwhile, there is a file under the new name, or the file cannot be written. Then
-/// no file is lost.
-pub fn save(edited: Option<(&Path, &str)>, to: &Path, written: &str) -> Result<(), StoreError> {
-    if let Some((of, opened)) = edited
-        && text(of)? != opened
+/// Another program changed the file meanwhile, there is a file with this name, or the file cannot be written. Then no
+/// file is lost.
+pub fn save(path: &Path, opened: Option<&str>, written: &str) -> Result<(), StoreError> {
+    if let Some(opened) = opened
+        && text(path)? != opened
     {
         let what = "was changed by another program; expected it as it was opened. Leave the form and open it again";
-        return Err(StoreError::protected(of, what));
+        return Err(StoreError::protected(path, what));
     }
     // Only the file that was edited is replaced: another may be the definition of a study with sessions.
-    let of = edited.map(|(of, _)| of);
-    Writer::new(Vec::new(), of == Some(to)).write(to, written.as_bytes()).map_err(|error| match error {
+    Writer::new(Vec::new(), opened.is_some()).write(path, written.as_bytes()).map_err(|error| match error {
         StoreError::Occupied(path) => {
             StoreError::protected(&path, "already exists; expected a name that no file in the folder has")
         }
         error => error,
-    })?;
-    of.filter(|of| *of != to).map_or(Ok(()), |of| fs::remove_file(of).map_err(io(of, "remove")))
+    })
 }
 
 /// Returns the SHA-256 of what a definition says, in lowercase hexadecimal. Comments, layout, the order of keys, and

@@ -141,18 +141,6 @@ impl Draft {
         }
     }
 
-    /// Renames a value or a table, which stays in its place.
-    pub fn rename(&mut self, table: &str, before: &str, after: &str) {
-        let names: Vec<String> =
-            self.keys(table).into_iter().map(|name| if name == before { after.to_owned() } else { name }).collect();
-        if let Some(found) = self.table(table)
-            && let Some(item) = found.remove(before)
-        {
-            found.insert(after, item);
-        }
-        self.sort(table, &names);
-    }
-
     /// Changes the kind of the stimulus, and removes the parameters that the new kind does not have, and the texts about
     /// the old one.
     pub fn set_kind(&mut self, kind: &str) {
@@ -207,16 +195,6 @@ impl Draft {
     pub fn keys(&self, table: &str) -> Vec<String> {
         let table = self.found(table);
         table.map_or_else(Vec::new, |table| table.iter().map(|(key, _)| key.to_owned()).collect())
-    }
-
-    /// Puts what is in a table of the top level in this order.
-    fn sort(&mut self, table: &str, names: &[String]) {
-        let place = |key: &toml_edit::Key| names.iter().position(|name| name == key.get());
-        match self.document.get_mut(table) {
-            Some(Item::Table(table)) => table.sort_values_by(|a, _, b, _| place(a).cmp(&place(b))),
-            Some(Item::Value(Value::InlineTable(table))) => table.sort_values_by(|a, _, b, _| place(a).cmp(&place(b))),
-            _ => {}
-        }
     }
 
     /// Returns a table, which is added if it is missing; `None` if its key has a value that is not a table.

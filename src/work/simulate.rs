@@ -17,8 +17,8 @@ use serde::Serialize;
 use super::{RequestError, Watcher};
 use crate::{
     experiment::{
-        self, Course, FrameCount, Identity, Observer, OrderedLogit, Protocol, Resumed, RowContext, Session,
-        SessionOptions, TrialRecord, UniformObserver, VisionObserver, VisionRater,
+        self, Course, FrameCount, Identity, Observer, OrderedLogit, Protocol, RowContext, Session, SessionOptions,
+        TrialRecord, UniformObserver, VisionObserver, VisionRater,
     },
     stimulus::Stimulus,
     store::{
@@ -127,25 +127,6 @@ pub fn simulate(request: &Simulate, protocol: &Protocol, watcher: &dyn Watcher) 
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).spawn_handler(begin).build()?;
     pool.install(|| (1..=total).into_par_iter().try_for_each(|number| simulation.session(number)))?;
     Ok(simulation.done.into_inner())
-}
-
-/// Returns the rows of a session of the vision observer, which is not stored.
-///
-/// # Errors
-/// The observer cannot see the stimuli, or the trials cannot be ordered as the definition asks.
-pub fn one_session(protocol: &Protocol) -> anyhow::Result<Vec<TrialRecord>> {
-    let observer = VisionObserver::new(VisionRater::default(), protocol).map_err(anyhow::Error::msg)?;
-    let identity = Identity::new("S001", "1").map_err(anyhow::Error::msg)?;
-    let course = Course::new(protocol, &identity, 1)?;
-    let schedule = course.schedule().clone();
-    let mut session = Session::new(course, &Resumed::default(), NO_SCREEN);
-    let context = RowContext { protocol, schedule: &schedule, identity: &identity, sitting: 1 };
-    let (mut rows, start) = (Vec::new(), now());
-    experiment::simulate(&mut session, &observer, &identity, Duration::ZERO, |response| {
-        rows.push(TrialRecord::new(&context, response, after(start, response.onset)));
-        anyhow::Ok(())
-    })?;
-    Ok(rows)
 }
 
 /// Returns the observer, and how the sidecars describe it.

@@ -398,7 +398,7 @@ fn a_figure_tells_its_values() {
     let place = |window: &Window| window.query_all_by_label_contains(&figure.title).find(is_image).unwrap().rect();
     let mut window = pane([1280.0, 1400.0]);
     drop_on(&mut window, &[&data_set]);
-    wait_for(&mut window, "There are no tests yet.");
+    wait_for(&mut window, "There are no tests of these data yet.");
     let before = place(&window);
     // The command needs no result, and tests that take too long are stopped until they are asked for again.
     click(&mut window, "Copy as command");
@@ -406,7 +406,7 @@ fn a_figure_tells_its_values() {
     click(&mut window, "Stop");
     window.run_steps(30);
     assert_has(&window, "Stopped.");
-    assert_has(&window, "There are no tests yet.");
+    assert_has(&window, "There are no tests of these data yet.");
     click_and_rest(&mut window, "Continue");
     let rect = place(&window);
     assert_eq!(rect, before, "a figure stays where it is when the tests are there");

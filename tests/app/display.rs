@@ -6,7 +6,7 @@ use eframe::egui::{Key, Modifiers, ViewportEvent, ViewportId};
 use egui_kittest::kittest::Queryable as _;
 use machband::{
     app::{App, Launch, Request},
-    display::{DisplayProfile, LuminanceRange, Measurement, profile::steps},
+    display::{DisplayProfile, LuminanceRange, Measurement},
     experiment::{Identity, Protocol, Schedule},
     light::{Bits, Dither, Transfer, TransferTable, Transfers},
     stimulus::recipe::Recipe,
@@ -153,33 +153,6 @@ fn the_assumed_width_follows_the_scale_of_the_system() {
     window.get_by_label_contains("Assumed (144 pixels per inch, from the system's scale of 1.5); measure it");
 }
 
-/// Shoaff's steps have the same ratio between neighbors, from black to white. The light of the screen's black is
-/// subtracted before the codes are computed.
-#[test]
-fn steps_have_one_ratio_and_the_codes_of_the_profile() {
-    let range = LuminanceRange { black_cd_m2: 0.5, white_cd_m2: 250.0 };
-    let profile = DisplayProfile {
-        transfers: Transfer::gamma(2.2).unwrap().into(),
-        luminance: Some(range),
-        ..DisplayProfile::default()
-    };
-    let digits = LuminanceRange { black_cd_m2: 0.250_592_758_493_736_2, white_cd_m2: 134.217_6 };
-    assert_eq!(digits.sentence(), "0.251 to 134 cd/m²", "three digits, like the measurement");
-    let i0 = range.lowest_intensity();
-    let made = steps(&profile, i0, 8).unwrap();
-    assert_eq!((made.len(), made[0].codes, made[8].codes), (9, [0; 3], [255; 3]));
-    for step in &made {
-        // An independent computation of the code: cd/m² above black, divided by the range, to the power of 1/γ.
-        let cd_m2 = step.cd_m2.unwrap();
-        let expected = (((cd_m2 - 0.5) / 249.5).max(0.0).powf(1.0 / 2.2) * 255.0).round();
-        assert_eq!(f64::from(step.codes[1]), expected, "{step:?}");
-        assert_eq!(step.nearest, step.level, "{step:?}");
-        assert!((step.emitted / step.intensity).ln().abs() < 0.15, "{step:?}");
-    }
-    assert!(steps(&profile, i0, 200).unwrap().iter().any(|step| step.nearest != step.level));
-    assert!(steps(&profile, 1.0, 8).is_err() && steps(&profile, i0, 0).is_err());
-}
-
 /// Opens the timing tool from Home.
 fn timing() -> Window {
     let mut window = home([1000.0, 900.0], STEP_S);
@@ -197,14 +170,14 @@ fn says(window: &Window, text: &str) -> bool {
 fn measuring_pages_show_nothing_else_and_leaving_asks() {
     let folder = tempfile::tempdir().unwrap();
     for (tool, begin, shown) in
-        [("Photometer", "Show patches", "Patch gray"), ("Gamma by eye", "Begin", "rows lit"), ("Timing", "Measure", "")]
+        [("Photometer", "Begin", "Patch gray"), ("Gamma by eye", "Begin", "rows lit"), ("Timing", "Measure", "")]
     {
         let mut window = home([1000.0, 900.0], STEP_S);
         click(&mut window, "Display");
         click(&mut window, tool);
         if tool != "Timing" {
             let csv = folder.path().join(format!("{tool}.csv"));
-            type_into(&mut window, "Save the measurements in", csv.to_str().unwrap());
+            type_into(&mut window, "File of measurements", csv.to_str().unwrap());
         }
         let places = ["Studies", "Stimuli", "Analyze", "Help", "Settings"];
         assert!(places.iter().all(|place| says(&window, place)), "{tool}");

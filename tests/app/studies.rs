@@ -165,18 +165,6 @@ fn a_study_is_edited_in_place() {
     assert_eq!(protocol.response.highest(), 3);
     assert_eq!(protocol.response.categories[0].label, "nothing");
     assert_eq!(protocol.participant.0[0].name, "age");
-    // A file that is named like its experiment is renamed with it, and never replaces another.
-    click(&mut window, "Edit");
-    type_into(&mut window, "Name", "six");
-    fs::write(folder.path().join("six.toml"), "precious").unwrap();
-    click(&mut window, "Save");
-    window.get_by_label_contains("six.toml: already exists");
-    fs::remove_file(folder.path().join("six.toml")).unwrap();
-    click(&mut window, "Save");
-    assert!(is_chosen(&window, "six.toml") && !path.exists());
-    click(&mut window, "Edit");
-    type_into(&mut window, "Name", "five");
-    click(&mut window, "Save");
     // What another program wrote meanwhile is not lost.
     click(&mut window, "Edit");
     type_into(&mut window, "Repetitions", "4");

@@ -6,13 +6,13 @@ use std::ops::RangeInclusive;
 use machband::{
     display::{
         Channel,
-        matching::{CHECKED, ChannelGamma, Match, MatchSettings, Matching, Rows, estimate},
+        matching::{ChannelGamma, Match, MatchSettings, Matching, estimate},
         photometer::{
             Calibration, Family, Patch, Reading, Readings, ReadingsError, additivity, drift_percent, largest_percent,
             patches,
         },
     },
-    light::{Bits, Quantizer, Transfer, Transfers},
+    light::{Transfer, Transfers},
 };
 use rand_chacha::{
     ChaCha8Rng,
@@ -346,33 +346,4 @@ fn the_picture_has_rows_and_a_patch() {
         let lit = edge[..5 * period * 2].iter().filter(|code| **code == 255).count();
         assert_eq!(lit as f64 / (10 * period) as f64, shown.rows.share());
     }
-}
-
-/// The patch of the check has the light of the rows, to half a code, if the profile is right, and clearly different
-/// light if γ is wrong by 0.2.
-#[test]
-fn the_check_patch_vanishes_only_if_the_profile_is_right() {
-    let transfers =
-        Transfers::new([Transfer::Srgb, Transfer::gamma(2.4).unwrap(), Transfer::gog(2.0, 0.9, 0.1).unwrap()]);
-    let quantizer = Quantizer::new(&transfers, Bits::Eight);
-    for channel in Channel::ALL {
-        for (lit, period) in CHECKED {
-            let rows = Rows { lit, period, row_px: 1 };
-            let patch_of = |error| rows.check_patch(&transfers, channel, error);
-            let expected = quantizer.codes([rows.share() as f32; 3]).map(|code| code as u8);
-            for (i, expected) in expected.into_iter().enumerate() {
-                let carried = channel.rgb(1)[i] == 1;
-                let patch = patch_of(0.0)[i];
-                assert_eq!(patch, if carried { expected } else { 0 });
-                if carried && lit * 4 <= period * 2 {
-                    assert!(patch_of(0.2)[i] >= patch + 2 && patch_of(-0.2)[i] <= patch - 2, "{channel} {lit}");
-                }
-            }
-        }
-    }
-    let rows = Rows { lit: 1, period: 2, row_px: 2 };
-    let patch = rows.check_patch(&transfers, Channel::Gray, 0.0);
-    let image = rows.picture(Channel::Gray, patch, [64, 64], 32);
-    assert_eq!((image.pixel(0, 1), image.pixel(0, 2)), ([255; 3], [0; 3]));
-    assert_eq!(image.pixel(32, 32), quantizer.codes([0.5; 3]));
 }

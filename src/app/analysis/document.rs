@@ -28,15 +28,6 @@ enum BlockView {
     Figure(Box<FigureView>),
 }
 
-impl BlockView {
-    fn table(&self) -> Option<&TableView> {
-        match self {
-            Self::Table(table) => Some(table),
-            _ => None,
-        }
-    }
-}
-
 impl DocumentView {
     /// Creates a view of a document that has not been drawn yet.
     pub fn new(document: Document) -> Self {
@@ -53,34 +44,23 @@ impl DocumentView {
         Self { sections: document.sections.into_iter().map(section).collect() }
     }
 
-    /// Sorts the tables as those of an earlier view.
-    pub fn sorted_like(mut self, earlier: &Self) -> Self {
+    /// Sorts the tables as those of an earlier view, and shows its images until the new ones are ready.
+    pub fn after(mut self, earlier: &Self) -> Self {
         for section in &mut self.sections {
             let same = earlier.sections.iter().find(|earlier| earlier.id == section.id);
-            let blocks = same.into_iter().flat_map(|earlier| &earlier.blocks);
-            let old: Vec<&TableView> = blocks.filter_map(BlockView::table).collect();
-            let tables = section.blocks.iter_mut().filter_map(|block| match block {
-                BlockView::Table(table) => Some(table),
-                _ => None,
-            });
-            tables.zip(old).for_each(|(table, old)| table.sort_like(old));
-        }
-        self
-    }
-
-    /// Shows the images of an earlier view until the new ones are ready.
-    pub fn after(mut self, earlier: Self) -> Self {
-        self = self.sorted_like(&earlier);
-        let blocks = earlier.sections.into_iter().flat_map(|section| section.blocks);
-        for earlier in blocks {
-            let BlockView::Figure(earlier) = earlier else { continue };
-            let mut views = self.sections.iter_mut().flat_map(|section| &mut section.blocks);
-            let same = views.find_map(|block| match block {
-                BlockView::Figure(view) if view.is_like(&earlier) => Some(view),
-                _ => None,
-            });
-            if let Some(view) = same {
-                view.replace(*earlier);
+            let old = || same.into_iter().flat_map(|earlier| &earlier.blocks);
+            let mut tables =
+                old().filter_map(|block| if let BlockView::Table(table) = block { Some(table) } else { None });
+            for block in &mut section.blocks {
+                match block {
+                    BlockView::Text(_) => {}
+                    BlockView::Table(table) => tables.next().into_iter().for_each(|earlier| table.sort_like(earlier)),
+                    BlockView::Figure(figure) => {
+                        let all =
+                            old().filter_map(|block| if let BlockView::Figure(old) = block { Some(old) } else { None });
+                        all.for_each(|earlier| figure.follow(earlier));
+                    }
+                }
             }
         }
         self
@@ -115,7 +95,10 @@ impl DocumentView {
             let many = if ui.available_width() >= TWO_COLUMNS { 2 } else { 1 };
             show_blocks(ui, key.take(many));
             if is_draft {
-                return hint(ui, "There are no tests yet. What needs no model, such as Description, is final.");
+                return hint(
+                    ui,
+                    "There are no tests of these data yet. What needs no model, such as Description, is final.",
+                );
             }
             let is_rest = |block: &&mut BlockView| !matches!(block, BlockView::Text(Block::Warning(_)));
             show_blocks(ui, self.sections[summary].blocks.iter_mut().filter(is_rest));

@@ -6,7 +6,7 @@ use eframe::egui::{self, RichText};
 
 use super::{
     document::DocumentView,
-    opened::{Exported, Files, Opened, Request, problems},
+    opened::{Exported, Files, Opened, Request, SUMMARY, problems},
     query::{Filters, ModelControls},
 };
 use crate::{
@@ -39,8 +39,8 @@ pub struct OpenStudy {
     last: Option<Analyze>,
     /// How far that one is.
     state: State,
-    /// The view of the description, until everything is there.
-    draft: Option<DocumentView>,
+    /// What needs no model, until everything is there.
+    draft: Option<(Outcome, DocumentView)>,
     /// The progress of the running analysis.
     simulated: Arc<Steps>,
     /// The last finished analysis and the view of its document.
@@ -112,23 +112,21 @@ impl OpenStudy {
         {
             self.state = State::Done;
             match result {
-                Ok(Some((_, document))) if is_draft => {
-                    let draft = DocumentView::new(document);
-                    let earlier = self.shown.as_ref().map(|(_, view)| view);
-                    self.draft = Some(match earlier {
-                        Some(earlier) => draft.sorted_like(earlier),
-                        None => draft,
-                    });
-                    self.start(ctx, false);
-                }
                 Ok(Some((outcome, document))) => {
-                    let earlier = self.shown.take().map(|(_, view)| view).into_iter().chain(self.draft.take());
-                    let view = earlier.fold(DocumentView::new(document), DocumentView::after);
-                    self.shown = Some((outcome, view));
-                    self.predicting = None;
+                    // The user may have sorted the tables of both.
+                    let earlier = [&self.shown, &self.draft].into_iter().flatten();
+                    let view = earlier.fold(DocumentView::new(document), |view, (_, earlier)| view.after(earlier));
+                    let made = Some((outcome, view));
+                    if is_draft {
+                        self.draft = made;
+                        self.start(ctx, false);
+                    } else {
+                        (self.shown, self.draft, self.predicting) = (made, None, None);
+                    }
                 }
                 Ok(None) => self.state = State::Empty,
                 Err(Lost) => {
+                    self.state = State::Stopped;
                     self.error = Some("The analysis ended unexpectedly. Try other options or less data.".to_owned());
                 }
             }
@@ -136,7 +134,7 @@ impl OpenStudy {
         if let Some(Ok(document)) = self.predicting.as_ref().and_then(BackgroundTask::poll)
             && let Some((outcome, view)) = self.shown.take()
         {
-            self.shown = Some((outcome, DocumentView::new(document).after(view)));
+            self.shown = Some((outcome, DocumentView::new(document).after(&view)));
             self.predicting = None;
         }
     }
@@ -168,10 +166,15 @@ impl OpenStudy {
         !matches!(self.state, State::Done)
     }
 
+    /// Returns whether the draft has the section at an address, or stands for what is not there yet.
+    fn is_drafted(&self, section: &str) -> bool {
+        self.draft.is_some() && (self.shown.is_none() || section == SUMMARY || DRAFTED.contains(&section))
+    }
+
     /// Ends what is being computed. It begins again when the study is shown.
     pub fn pause(&mut self) {
         if matches!(self.state, State::Running { .. }) {
-            (self.state, self.last) = (State::Done, None);
+            (self.state, self.last, self.draft) = (State::Done, None, None);
         }
         self.predicting = None;
     }
@@ -184,8 +187,8 @@ impl Opened for OpenStudy {
     }
 
     fn headings(&self) -> Vec<(&'static str, &'static str)> {
-        let view = self.shown.as_ref().map(|(_, view)| view).or(self.draft.as_ref());
-        let mut all: Vec<_> = view.iter().flat_map(|view| view.headings()).collect();
+        let view = self.shown.as_ref().or(self.draft.as_ref());
+        let mut all: Vec<_> = view.iter().flat_map(|(_, view)| view.headings()).collect();
         if !all.is_empty() && !all.contains(&VISION) {
             let place = all.iter().position(|(id, _)| *id == "methods").unwrap_or(all.len());
             all.insert(place, VISION);
@@ -193,8 +196,8 @@ impl Opened for OpenStudy {
         all
     }
 
-    /// Draws a line of constant height: what is shown, and how far a newer analysis is.
-    fn state(&mut self, ui: &mut egui::Ui) {
+    /// Draws a line of constant height.
+    fn state(&mut self, ui: &mut egui::Ui, section: &str) {
         let size = egui::vec2(ui.available_width(), theme::MESSAGE);
         let (rect, _) = ui.allocate_exact_size(size, egui::Sense::hover());
         let [left, right] =
@@ -221,12 +224,13 @@ impl Opened for OpenStudy {
                     .on_hover_text("Select at least one participant and at least one level of every factor.");
             }
         }
-        if let Some((outcome, _)) = &self.shown {
+        let is_drafted = self.is_drafted(section);
+        if let Some((outcome, _)) = if is_drafted { &self.draft } else { &self.shown } {
             let counts = &outcome.results.measured.counts;
             let filter = &outcome.filter;
             let filtered = if filter.is_empty() { String::new() } else { format!(" Filtered: {filter}.") };
             let people = count(outcome.results.people() as u64, "participant");
-            let before = if self.is_stale() { "Before: " } else { "" };
+            let before = if self.is_stale() && !is_drafted { "Before: " } else { "" };
             let text = format!("{before}{} by {people}.{filtered}", count(counts.total(), "rating"));
             ui.with_layout(left, |ui| ui.add(egui::Label::new(secondary(text)).truncate()));
         }
@@ -236,19 +240,15 @@ impl Opened for OpenStudy {
         if let Some(text) = &self.error {
             show_error(ui, text);
         }
-        if let Some(draft) = &mut self.draft
-            && matches!(self.state, State::Running { .. } | State::Stopped)
-        {
-            if DRAFTED.contains(&section) {
-                // In a scope as below, so that the page keeps its place.
-                return ui.scope(|ui| draft.show(ui, section)).inner;
-            }
-            if self.shown.is_none() {
-                draft.summary(ui, true);
-                return true;
-            }
+        let (is_stale, is_drafted) = (self.is_stale(), self.is_drafted(section));
+        if let Some((_, draft)) = self.draft.as_mut().filter(|_| is_drafted) {
+            // In a scope as below, so that the page keeps its place.
+            let show = |ui: &mut egui::Ui| match DRAFTED.contains(&section) {
+                true => draft.show(ui, section),
+                false => draft.summary(ui, true),
+            };
+            return ui.scope(show).inner;
         }
-        let is_stale = self.is_stale();
         let Some((outcome, view)) = &mut self.shown else { return true };
         // Results of an earlier selection stay, dimmed, until the new ones are there.
         let found = ui.scope(|ui| {

@@ -51,8 +51,8 @@ pub trait Opened {
     /// Returns what is asked for, if anything is selected, and the results if they are of that.
     fn exported(&self) -> (Option<&Analyze>, Option<Exported<'_>>);
 
-    /// Draws what is shown, and how far a newer analysis is.
-    fn state(&mut self, _: &mut egui::Ui) {}
+    /// Draws of which data the section at an address is, and how far a newer analysis is.
+    fn state(&mut self, _: &mut egui::Ui, _: &str) {}
 
     /// Draws the section at an address; returns whether it exists.
     fn document(&mut self, ui: &mut egui::Ui, section: &str) -> bool;
@@ -125,7 +125,7 @@ impl Shell {
                     }
                 }
             });
-            opened.state(ui);
+            opened.state(ui, self.section);
             ui.separator();
             if self.section == DATA.0 {
                 ScrollArea::vertical().id_salt("data").auto_shrink(false).show(ui, |ui| {

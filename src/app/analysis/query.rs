@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use eframe::egui::{self, CollapsingHeader, Key, ScrollArea};
+use eframe::egui::{self, CollapsingHeader, ScrollArea};
 
 use crate::{
     analysis::{
@@ -18,8 +18,6 @@ use crate::{
 
 /// Width of the column of labels, points.
 const LABELS: f32 = 124.0;
-/// Seconds without a key after which typed terms are used.
-const PAUSE_S: f64 = 0.4;
 
 /// What is excluded, drawn as checklists of the participants and of the levels of every factor.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -135,8 +133,6 @@ pub struct ModelControls {
     pub request: Analyze,
     /// The terms as they are being typed.
     typed: String,
-    /// When they were last changed, seconds.
-    changed_s: f64,
 }
 
 impl ModelControls {
@@ -172,24 +168,19 @@ impl ModelControls {
     fn terms_field(&mut self, ui: &mut egui::Ui, counts: &Counts, filters: &Filters) {
         let varied = counts.factors.iter().filter(|factor| factor.levels.len() > 1);
         let hint = varied.map(|factor| factor.name.as_str()).collect::<Vec<_>>().join(",");
-        let error = self.parsed(counts, filters).err().unwrap_or_default();
-        let field = Field::new("Terms").hint(&hint).width(ui.available_width()).slot().error(&error);
+        let parsed = self.parsed(counts, filters);
+        let error = parsed.as_ref().err().map_or("", String::as_str);
+        let is_used = parsed.as_ref().is_ok_and(|terms| *terms == self.request.model.terms);
+        let note = if is_used { "" } else { "Press Enter to use these terms." };
+        let field = Field::new("Terms").hint(&hint).width(ui.available_width()).slot().error(error).note(note, false);
         let field = field.text(ui, &mut self.typed);
         let field = field.on_hover_text(
             "List factors by name. Use num:NAME for a numeric factor, a:b for an interaction, and a*b for both factors \
              and their interaction. num:inv_n is 1/depth. If this is empty, the model uses every factor.",
         );
-        // Every prefix of a list of terms would be analyzed without a pause.
-        let now = ui.input(|input| input.time);
-        if field.changed() {
-            self.changed_s = now;
-        }
-        let left = self.changed_s + PAUSE_S - now;
-        let entered = field.lost_focus() || ui.input(|input| input.key_pressed(Key::Enter));
-        match self.parsed(counts, filters) {
-            Ok(terms) if left <= 0.0 || entered => self.request.model.terms = terms,
-            Ok(_) => ui.ctx().request_repaint_after_secs(left as f32),
-            Err(_) => {}
+        // While they are typed, every prefix of the list would be analyzed.
+        if let Some(terms) = parsed.ok().filter(|_| !field.has_focus()) {
+            self.request.model.terms = terms;
         }
     }
 

@@ -46,7 +46,7 @@ impl OpenTask {
 
     /// Keeps the pictures of the same data with another selection, or as they were before.
     pub fn after(self, before: Self) -> Self {
-        Self { view: self.view.after(before.view), ..self }
+        Self { view: self.view.after(&before.view), ..self }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use eframe::egui::{self, Color32};
+use eframe::egui;
 
 use super::{
     calibrate::{Findings, LABELS, Method, SLIDER},
@@ -11,7 +11,7 @@ use super::{
 use crate::{
     app::{
         session::fresh_seed,
-        ui::{Field, note, paragraph, theme},
+        ui::{Field, note, paragraph},
     },
     display::{
         Channel, DisplayProfile, Viewing,
@@ -38,9 +38,7 @@ impl Method for ByEye {
     type Findings = MatchFindings;
     type Run = MatchRun;
 
-    const BEGIN: &'static str = "Begin";
-    const FORMAT: &'static str = "CSV written by this page.";
-    const GROUND: Color32 = theme::DARK_PAGE;
+    const FORMAT: &'static str = "A CSV file that this page has written can be used again.";
     const INTRODUCTION: &'static str = "This needs no photometer. If one of every four rows in a field is lit, the \
         field emits a quarter of the full light, whatever the screen's gamma. Adjust the square in the field until it \
         vanishes. Gamma is estimated from several such matches.";

@@ -1,24 +1,39 @@
-//! The stages that the photometer and matching by eye share: settings, a full-screen run that can be paused and
-//! resumed, findings, and the profile to save.
+//! What the tools have in common, and the stages that the photometer and matching by eye share: settings, a full-screen
+//! run that can be paused and resumed, findings, and the profile to save.
 
 use std::path::{Path, PathBuf};
 
 use eframe::egui::{self, Color32, Context, Ui, ViewportCommand};
 
-use super::tool::Tool;
 use crate::{
     app::ui::{
         Field, FileKind, Monitor, Saving, Step, hint, neutral_primary, paragraph, secondary, section, show_error, text,
         today, tool_page,
     },
     display::{Channel, DisplayProfile, Measurement, Viewing},
-    store::{StoreError, Writer, profile},
+    store::profile,
     system::found,
 };
 
 /// Width of the labels, and of a slider with its number, points.
 pub const LABELS: f32 = 210.0;
 pub const SLIDER: f32 = 240.0;
+
+/// A page that measures the screen.
+pub trait Tool {
+    /// Draws the page. `viewing` is the geometry of the screen, if it is known. `Next` leaves the page with the path of a
+    /// profile that was written.
+    fn show(&mut self, ui: &mut Ui, monitor: &Monitor, viewing: Option<&Viewing>) -> Step<PathBuf>;
+
+    /// Returns the background color while the screen is measured, which then shows nothing else; `None` for a page.
+    fn ground(&self) -> Option<Color32>;
+
+    /// Pauses the measurement; that of frames ends.
+    fn pause(&mut self, _: &Context);
+
+    /// Begins with what is known about the screen.
+    fn open(&mut self, _: DisplayProfile) {}
+}
 
 /// A way to measure the light of a screen.
 pub trait Method {
@@ -34,10 +49,6 @@ pub trait Method {
     const ITEMS: &'static str;
     /// The format of a measurement file.
     const FORMAT: &'static str;
-    /// Label of the start button.
-    const BEGIN: &'static str;
-    /// The background of a run.
-    const GROUND: Color32 = Color32::BLACK;
     /// Whether channels can be chosen.
     const HAS_CHANNELS: bool = true;
 
@@ -96,15 +107,12 @@ pub struct Calibrate<M: Method> {
     /// What is known about the screen apart from these measurements.
     known: DisplayProfile,
     method: M,
-    /// Path for the new measurements.
+    /// Path of the measurements.
     path: String,
+    /// Why they cannot be read, or no run can begin; empty otherwise.
+    error: String,
     /// Whether to measure red, green and blue, and whether to measure gray.
     channels: [bool; 2],
-    /// Path of existing measurements to use instead.
-    file: String,
-    /// Why it cannot be used.
-    file_error: String,
-    error: Option<String>,
     /// The current run.
     run: Option<M::Run>,
     /// The findings, once there are measurements.
@@ -112,11 +120,10 @@ pub struct Calibrate<M: Method> {
 }
 
 impl<M: Method> Calibrate<M> {
-    /// Creates the settings page for the screen that `known` describes.
-    pub fn new(method: M, known: DisplayProfile, channels: [bool; 2]) -> Self {
-        let path = format!("calibration/{}.csv", M::ITEMS);
-        let (file, file_error, error) = Default::default();
-        Self { known, method, path, channels, file, file_error, error, run: None, found: None }
+    /// Creates the settings page, on which these channels are chosen: red, green and blue; gray.
+    pub fn new(method: M, channels: [bool; 2]) -> Self {
+        let (known, path) = (DisplayProfile::default(), format!("calibration/{}.csv", M::ITEMS));
+        Self { known, method, path, error: String::new(), channels, run: None, found: None }
     }
 
     /// Draws the settings. `viewing` is `None` if the viewing distance or the screen's width is unknown.
@@ -125,7 +132,11 @@ impl<M: Method> Calibrate<M> {
         let back = tool_page(ui, M::TITLE, |ui| {
             paragraph(ui, M::INTRODUCTION);
             ui.add_space(8.0);
-            Field::new("Save the measurements in").column(LABELS).width(380.0).text(ui, &mut self.path);
+            let field = Field::new("File of measurements").column(LABELS).slot().error(&self.error);
+            let (field, chosen) = field.path(ui, &mut self.path, (FileKind::Data, "Choose a file…"));
+            if chosen || field.changed() {
+                self.error.clear();
+            }
             if M::HAS_CHANNELS {
                 Field::new("Channels").column(LABELS).show(ui, |ui, _| {
                     ui.horizontal(|ui| {
@@ -150,27 +161,24 @@ impl<M: Method> Calibrate<M> {
             if is_there {
                 hint(ui, "This file exists already. To resume, keep the settings. To start over, enter another file.");
             }
-            let text = if is_there { "Resume" } else { M::BEGIN };
+            let text = if is_there { "Resume" } else { "Begin" };
             begin = neutral_primary(ui, text, estimate.is_ok(), "Full screen. Press Esc to pause.");
-            self.error.iter().for_each(|message| show_error(ui, message));
-            use_file = self.file_field(ui);
+            use_file = ui.add_enabled(is_there, egui::Button::new("Use this file")).clicked();
+            hint(ui, M::FORMAT);
         });
-        if use_file {
-            let source = PathBuf::from(self.file.trim());
-            match self.findings(&source) {
-                Ok(found) => (self.found, self.file_error) = (Some((source, Ok(found))), String::new()),
-                Err(errors) => self.file_error = errors,
-            }
-            ui.ctx().request_repaint();
+        let source = PathBuf::from(self.path.trim());
+        let done = if use_file {
+            self.findings(&source).map(|found| self.found = Some((source, Ok(found))))
         } else if begin {
-            match self.method.begin(&self.channels(), Path::new(self.path.trim())) {
-                Ok(run) => {
-                    full_screen(ui.ctx(), true);
-                    (self.run, self.found, self.error) = (Some(run), None, None);
-                }
-                Err(message) => self.error = Some(message),
-            }
-        }
+            self.method.begin(&self.channels(), &source).map(|run| {
+                full_screen(ui.ctx(), true);
+                self.run = Some(run);
+            })
+        } else {
+            return back;
+        };
+        self.error = done.err().unwrap_or_default();
+        ui.ctx().request_repaint();
         back
     }
 
@@ -178,23 +186,6 @@ impl<M: Method> Calibrate<M> {
         let [colors, gray] = self.channels;
         let wanted = |channel: &Channel| if *channel == Channel::Gray { gray } else { colors };
         Channel::ALL.into_iter().filter(wanted).collect()
-    }
-
-    fn file_field(&mut self, ui: &mut Ui) -> bool {
-        section(ui, format!("Or use {} from a file", M::ITEMS));
-        hint(ui, M::FORMAT);
-        let (label, browse) = (format!("File of {}", M::ITEMS), (FileKind::Data, "Choose a file…"));
-        let field = Field::new(&label).column(LABELS).error(&self.file_error);
-        let (field, chosen) = field.path(ui, &mut self.file, browse);
-        if chosen || field.changed() {
-            self.file_error.clear();
-        }
-        let entered = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
-        let is_named = !self.file.trim().is_empty();
-        let used = Field::new("")
-            .column(LABELS)
-            .show(ui, |ui, _| ui.add_enabled(is_named, egui::Button::new("Use this file")).clicked());
-        used || entered && is_named
     }
 
     fn show_run(&mut self, ui: &mut Ui) {
@@ -259,7 +250,7 @@ impl<M: Method> Tool for Calibrate<M> {
     }
 
     fn ground(&self) -> Option<Color32> {
-        self.run.is_some().then_some(M::GROUND)
+        self.run.is_some().then_some(Color32::BLACK)
     }
 
     fn pause(&mut self, ctx: &Context) {
@@ -269,9 +260,8 @@ impl<M: Method> Tool for Calibrate<M> {
         }
     }
 
-    fn reopen(&mut self, known: &DisplayProfile) -> bool {
-        self.known = known.clone();
-        true
+    fn open(&mut self, known: DisplayProfile) {
+        self.known = known;
     }
 }
 
@@ -301,38 +291,28 @@ impl ProfileForm {
         ] {
             Field::new(label).column(LABELS).width(340.0).text(ui, value);
         }
-        let path = self.saving.path();
-        let usable = !path.as_os_str().is_empty() && !self.name.trim().is_empty();
-        let caption = self.saving.caption("Save the profile");
-        if neutral_primary(ui, caption, usable, "The program then uses this profile.") {
-            let writer = self.saving.writer(&[]);
-            match write(&writer, &path, &self.filled(found)) {
-                Ok(()) => return Some(path),
-                Err(error) => self.saving.finish(&path, Err(error)),
+        let mut saved = None;
+        let filled = self.filled(found);
+        self.saving.export(ui, "Save the profile", &["toml"], |writer, path, _| {
+            if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+                writer.make_folder(folder)?;
             }
-        }
+            profile::write(writer, path, &filled)?;
+            saved = Some(path.to_owned());
+            Ok(())
+        });
+        hint(ui, "The program then uses this profile.");
         self.saving.show(ui);
-        None
+        saved
     }
 
     /// Returns the profile with the details that the user typed.
     fn filled(&self, found: &DisplayProfile) -> DisplayProfile {
         let some = |text: &str| Some(text.trim().to_owned()).filter(|text| !text.is_empty());
         let measured = Measurement { on: Some(today()), by: some(&self.by), with: some(&self.with) };
-        DisplayProfile { name: self.name.trim().to_owned(), measured: Some(measured), ..found.clone() }
+        let name = some(&self.name).unwrap_or_else(|| found.name.clone());
+        DisplayProfile { name, measured: Some(measured), ..found.clone() }
     }
-}
-
-/// Writes a profile, and creates its folder if necessary.
-fn write(writer: &Writer, path: &Path, profile: &DisplayProfile) -> Result<(), StoreError> {
-    if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("toml")) {
-        let what = "is not a valid profile name; expected a name that ends in .toml".to_owned();
-        return Err(StoreError::Protected { path: path.to_owned(), what });
-    }
-    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-        writer.make_folder(folder)?;
-    }
-    profile::write(writer, path, profile)
 }
 
 /// Makes the window fill the screen, or not.

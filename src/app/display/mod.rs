@@ -2,27 +2,22 @@
 //!
 //! | file | contents |
 //! |---|---|
-//! | [`tools`], [`tool`] | what is known about the screen, and the list of tools; what tools have in common |
+//! | [`tools`] | what is known about the screen, and the list of tools |
 //! | [`card`] | measuring the screen with a bank card |
-//! | [`calibrate`] | the stages that both ways to measure light share |
+//! | [`calibrate`] | what tools have in common; the stages that both ways to measure light share |
 //! | [`photometer`], [`patch_run`] | calibration with a photometer: settings and findings; the patches |
 //! | [`sizes`] | whether the luminance depends on the size of a patch |
 //! | [`by_eye`], [`match_run`] | matching by eye: settings and findings; the matches |
-//! | [`check`] | fields that show whether a profile is correct |
-//! | [`steps`] | steps of equal brightness |
 //! | [`timing`] | whether every refresh shows a new frame |
 
 mod by_eye;
 mod calibrate;
 mod card;
-mod check;
 mod match_run;
 mod patch_run;
 mod photometer;
 mod sizes;
-mod steps;
 mod timing;
-mod tool;
 mod tools;
 
 pub use card::CardHelper;

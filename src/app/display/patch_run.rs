@@ -91,8 +91,11 @@ impl PatchRun {
             message: None,
             unconfirmed: None,
         };
-        // The file is written before the first reading, so that an unwritable file is reported now.
-        run.write(is_known)?;
+        // The file is written before the first reading, so that an unwritable file is reported now. A complete one stays
+        // as it is.
+        if run.at < run.patches.len() {
+            run.write(is_known)?;
+        }
         Ok(run)
     }
 

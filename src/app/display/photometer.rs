@@ -53,8 +53,7 @@ impl Method for Photometer {
     type Findings = PhotometerFindings;
     type Run = PatchRun;
 
-    const BEGIN: &'static str = "Show patches";
-    const FORMAT: &'static str = "CSV with the columns channel,level,luminance_cd_m2: channel is r, g, b or gray; level is the code divided by the largest code, 0 to 1. Also .ti3 files of ArgyllCMS and monitor files of PsychoPy.";
+    const FORMAT: &'static str = "Readings of other programs can be used: CSV with the columns channel,level,luminance_cd_m2, where channel is r, g, b or gray, and level is the code divided by the largest code, 0 to 1; .ti3 files of ArgyllCMS; monitor files of PsychoPy; .mat files of Psychtoolbox.";
     const INTRODUCTION: &'static str = "Patches are shown one at a time; type each photometer reading. First let the \
         screen warm up for half an hour, and darken the room.";
     const ITEMS: &'static str = "readings";

@@ -29,8 +29,8 @@ impl Method for SizeTest {
     type Findings = SizeFindings;
     type Run = PatchRun;
 
-    const BEGIN: &'static str = "Show patches";
-    const FORMAT: &'static str = "CSV written by this page: one row for each size, from the smallest to the largest.";
+    const FORMAT: &'static str =
+        "A CSV file can be used that has one row for each size, from the smallest to the largest.";
     const HAS_CHANNELS: bool = false;
     const INTRODUCTION: &'static str = "White patches of five sizes on black are shown one at a time; type each \
         photometer reading. Some screens, OLED ones above all, dim large bright areas, so that a profile holds for one \

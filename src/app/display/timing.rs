@@ -7,7 +7,7 @@ use eframe::{
     emath::GuiRounding as _,
 };
 
-use super::{calibrate::full_screen, tool::Tool};
+use super::calibrate::{Tool, full_screen};
 use crate::{
     app::ui::{
         Field, Monitor, Step,

@@ -4,14 +4,11 @@ use eframe::egui::{self, Color32, RichText};
 
 use super::{
     by_eye::ByEye,
-    calibrate::{Calibrate, LABELS},
+    calibrate::{Calibrate, LABELS, Tool},
     card::CardHelper,
-    check::CheckPage,
     photometer::Photometer,
     sizes::SizeTest,
-    steps::StepsPage,
     timing::TimingTool,
-    tool::Tool,
 };
 use crate::{
     app::ui::{
@@ -22,11 +19,10 @@ use crate::{
     report::names::capitalized,
 };
 
-#[derive(Default)]
 pub struct Display {
-    /// The tools that were opened, in the order of [`TOOLS`]. They outlive their pages, so that a paused run can be
+    /// All tools, in the order in which a new screen needs them. They outlive their pages, so that a paused run can be
     /// resumed.
-    tools: [Option<Box<dyn Tool>>; TOOLS.len()],
+    tools: [Entry; 4],
     /// The place of the tool that is open.
     open: Option<usize>,
     /// The width in cm that the screen reports, if any; `None` until it is queried.
@@ -34,15 +30,50 @@ pub struct Display {
     card: Option<CardHelper>,
 }
 
+/// A tool's name, a description of it, and the tool.
+type Entry = (&'static str, &'static str, Box<dyn Tool>);
+
+impl Default for Display {
+    fn default() -> Self {
+        let tools: [Entry; 4] = [
+            (
+                "Photometer",
+                "Measure the luminance of every level: point a photometer at patches, or load readings from a file.",
+                Box::new(Calibrate::new(Photometer::default(), [true, true])),
+            ),
+            (
+                "Patch size",
+                "Find out with a photometer whether the screen dims large bright areas, as OLED screens do.",
+                Box::new(Calibrate::new(SizeTest { settle_s: 2.0 }, [false, true])),
+            ),
+            (
+                "Gamma by eye",
+                "No photometer needed: match a square to a field of rows in each channel. This takes about five minutes.",
+                Box::new(Calibrate::new(ByEye::default(), [true, false])),
+            ),
+            (
+                "Timing",
+                "Find out whether every refresh shows a new frame: intervals and dropped frames.",
+                Box::new(TimingTool::default()),
+            ),
+        ];
+        Self { tools, open: None, reported_cm: None, card: None }
+    }
+}
+
 impl Display {
+    fn tool(&mut self) -> Option<&mut dyn Tool> {
+        Some(&mut *self.tools[self.open?].2)
+    }
+
     /// Returns the background color while the screen is measured, which then shows nothing else; `None` for a page.
     pub fn ground(&self) -> Option<Color32> {
-        self.tools[self.open?].as_ref()?.ground()
+        self.tools[self.open?].2.ground()
     }
 
     /// Pauses the measurement; that of frames ends.
     pub fn pause(&mut self, ctx: &egui::Context) {
-        if let Some(tool) = self.open.and_then(|open| self.tools[open].as_mut()) {
+        if let Some(tool) = self.tool() {
             tool.pause(ctx);
         }
     }
@@ -59,7 +90,7 @@ impl Display {
         found: Result<&DisplayProfile, &str>,
         window_deg: f64,
     ) -> Step<()> {
-        let Some(tool) = self.open.and_then(|open| self.tools[open].as_mut()) else {
+        let Some(tool) = self.tool() else {
             return Step::back_if(self.list(ui, monitor, fields, found, window_deg));
         };
         let step = tool.show(ui, monitor, fields.viewing(monitor).ok().as_ref());
@@ -92,7 +123,7 @@ impl Display {
             Self::profile_field(ui, fields, found);
             self.size_fields(ui, monitor, fields, window_deg);
             ui.add_space(8.0);
-            for (place, (name, what, _)) in TOOLS.iter().enumerate() {
+            for (place, (name, what, _)) in self.tools.iter().enumerate() {
                 ui.add_space(4.0);
                 let button = egui::Button::new(RichText::new(*name).strong()).min_size([260.0, 34.0].into());
                 if ui.add(button).clicked() {
@@ -103,10 +134,7 @@ impl Display {
         });
         CardHelper::measure(&mut self.card, ui.ctx(), fields, monitor);
         if let Some(place) = chosen {
-            let (profile, (.., make)) = (found.cloned().unwrap_or_default(), TOOLS[place]);
-            if !self.tools[place].as_mut().is_some_and(|tool| tool.reopen(&profile)) {
-                self.tools[place] = Some(make(profile));
-            }
+            self.tools[place].2.open(found.cloned().unwrap_or_default());
             self.open = Some(place);
             ui.ctx().request_repaint();
         }
@@ -172,39 +200,3 @@ fn size_sentence(viewing: &Viewing, window_deg: f64) -> String {
     };
     format!("{degree} The {window_deg}° stimulus of the chosen study has {wanted:.0} × {wanted:.0} pixels and {fits}.")
 }
-
-/// A tool's name, a description of it, and a function that opens it for a screen with this profile.
-type Entry = (&'static str, &'static str, fn(DisplayProfile) -> Box<dyn Tool>);
-
-/// All tools, in the order in which a new screen needs them.
-const TOOLS: &[Entry] = &[
-    (
-        "Photometer",
-        "Measure the luminance of every level: point a photometer at patches, or load readings from a file.",
-        |profile| Box::new(Calibrate::new(Photometer::default(), profile, [true, true])),
-    ),
-    (
-        "Patch size",
-        "Find out with a photometer whether the screen dims large bright areas, as OLED screens do.",
-        |profile| Box::new(Calibrate::new(SizeTest { settle_s: 2.0 }, profile, [false, true])),
-    ),
-    (
-        "Gamma by eye",
-        "No photometer needed: match a square to a field of rows in each channel. This takes about five minutes.",
-        |profile| Box::new(Calibrate::new(ByEye::default(), profile, [true, false])),
-    ),
-    (
-        "Check the gamma",
-        "View squares in fields of rows. If the profile is correct, the squares vanish; a visible border means that it \
-            is wrong.",
-        |profile| Box::new(CheckPage::new(profile)),
-    ),
-    (
-        "Steps of equal brightness",
-        "Levels that look evenly spaced, from the screen's black to its white, as a table and a wedge.",
-        |profile| Box::new(StepsPage::new(profile)),
-    ),
-    ("Timing", "Find out whether every refresh shows a new frame: intervals and dropped frames.", |_| {
-        Box::new(TimingTool::default())
-    }),
-];

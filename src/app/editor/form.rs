@@ -26,10 +26,6 @@ const NUMBER: f32 = 90.0;
 const OPTIONAL: f32 = 140.0;
 /// Width of a list of values to choose from, points.
 const LIST: f32 = 240.0;
-/// The whole numbers that cannot be 0.
-const FROM_ONE: [&str; 3] = ["design.repetitions", "plan.participants", "plan.sessions"];
-/// What is said of an answer without a label.
-const EMPTY_LABEL: &str = "the label is empty";
 /// Maximum number of errors shown for one field.
 const MAX_SHOWN: usize = 3;
 
@@ -49,10 +45,6 @@ pub struct DefinitionForm {
     pub errors: Vec<FileError>,
     /// The indices of the errors that this frame has shown next to their fields.
     pub shown: BTreeSet<usize>,
-    /// The labels of the fields, by their keys.
-    labels: BTreeMap<String, String>,
-    /// The answer that was just added, whose label gets the focus.
-    pub added: Option<usize>,
 }
 
 impl DefinitionForm {
@@ -199,20 +191,6 @@ impl DefinitionForm {
         lines.join("\n")
     }
 
-    /// Says how the field of a value is labeled.
-    pub fn name(&mut self, key: &str, label: &str) {
-        self.labels.entry(key.to_owned()).or_insert_with(|| label.to_owned());
-    }
-
-    /// Returns the label of the field with an error.
-    pub fn label(&self, error: &FileError) -> String {
-        let parts: Vec<&str> = error.key.split('.').filter(|part| part.parse::<usize>().is_err()).collect();
-        let label = self.labels.get(&error.key).or_else(|| self.labels.get(&parts.join("."))).cloned();
-        label
-            .or_else(|| parts.last().map(|name| capitalized(&self.factor(name))))
-            .unwrap_or_else(|| "the file".to_owned())
-    }
-
     /// Draws a text field for a value, with its errors. `about` explains it.
     pub fn text(&mut self, ui: &mut Ui, label: &str, key: &str, default: &str, about: &str) {
         let width = room(ui);
@@ -250,7 +228,6 @@ impl DefinitionForm {
         names: impl IntoIterator<Item = &'n str>,
         title: impl Fn(&str) -> String,
     ) -> Option<String> {
-        self.name(key, label);
         let (before, error) = (self.value(key, default), self.error(key));
         let mut chosen = before.clone();
         let names: Vec<String> = names.into_iter().map(ToOwned::to_owned).collect();
@@ -322,9 +299,6 @@ impl DefinitionForm {
         owner: Option<&str>,
         draw: impl FnOnce(Field<'_>, &mut String) -> Response,
     ) {
-        if !label.is_empty() {
-            self.name(key, label);
-        }
         let mut text = self.value(key, default);
         let response = draw(Field::new(label).column(LABELS).slot().error(&self.error(key)), &mut text);
         if !response.on_hover_text(about).changed() {
@@ -356,13 +330,10 @@ pub fn add<T>(ui: &mut Ui, title: &str, entries: impl IntoIterator<Item = (T, St
 /// Returns the message of an error beside its field, without the names and the limits of the file.
 fn plain(error: &FileError) -> String {
     let name = error.key.rsplit('.').next().unwrap_or_default();
-    let is_of_field =
-        |what: &str| what.starts_with(&*error.key) || what.starts_with(&format!("{name} is ")) || what == EMPTY_LABEL;
+    let is_of_field = |what: &str| what.starts_with(&*error.key) || what.starts_with(&format!("{name} is "));
     let message = match error.message.split_once("; expected ") {
         Some((what, expected)) if !error.key.is_empty() && is_of_field(what) => format!("Enter {expected}."),
         _ => error.message.clone(),
     };
-    let least = u32::from(FROM_ONE.contains(&&*error.key));
-    let message = message.replace(&format!("from 0 to {}", u32::MAX), &format!("of {least} or more"));
-    capitalized(&message.replace(" in quotes", ""))
+    capitalized(&message.replace(&format!(" from 0 to {}", u32::MAX), "").replace(" in quotes", ""))
 }

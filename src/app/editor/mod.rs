@@ -6,7 +6,7 @@
 //! | [`page`] | the page: leaving it, saving, the summary |
 //! | [`form`] | the draft, what was typed, and the errors of each field |
 //! | [`sections`], [`task`] | the fields; those of the task, its method and its answers |
-//! | [`preview`] | one trial, the answers of a simulated observer, and the stimuli of all conditions |
+//! | [`preview`] | one trial, and the stimuli of all conditions |
 
 mod form;
 mod page;
@@ -14,5 +14,5 @@ mod preview;
 mod sections;
 mod task;
 
-pub use page::{Editor, Saved};
+pub use page::Editor;
 pub use preview::Thumbnails;

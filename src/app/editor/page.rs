@@ -27,13 +27,6 @@ const SAVE: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::S)
 /// Width of the label of the folder, points.
 const FOLDER: f32 = 60.0;
 
-/// A definition that was saved.
-pub struct Saved {
-    pub path: PathBuf,
-    /// The path of the file before, if it was renamed.
-    pub renamed: Option<String>,
-}
-
 /// A definition, or a copy of one, while it is edited.
 #[derive(Default)]
 pub struct Editor {
@@ -41,8 +34,8 @@ pub struct Editor {
     of: String,
     /// Number of sessions that were recorded with the definition that is edited; `None` if a copy is edited.
     sessions: Option<usize>,
-    /// The text of the file when it was opened, and the name in it; they are compared when the file itself is saved.
-    before: (String, Option<String>),
+    /// The text of the file when it was opened, with which it is compared when the file itself is saved.
+    opened: String,
     form: DefinitionForm,
     /// The earlier texts of the draft.
     history: History<String>,
@@ -75,7 +68,7 @@ impl Editor {
         Ok(Self {
             of: name_or_path.to_owned(),
             sessions,
-            before: (definition::text(path)?.into_owned(), form.draft.get("name")),
+            opened: definition::text(path)?.into_owned(),
             history: History::new(form.original.clone()),
             form,
             folder: folder.display().to_string(),
@@ -91,8 +84,8 @@ impl Editor {
         asks
     }
 
-    /// Draws the page. The step to the next page has the saved definition.
-    pub fn show(&mut self, ui: &mut Ui) -> Step<Saved> {
+    /// Draws the page. The step to the next page has the path of the saved definition.
+    pub fn show(&mut self, ui: &mut Ui) -> Step<PathBuf> {
         let escaped = ui::escaped(ui);
         let action = if self.sessions.is_none() { "Duplicate" } else { "Edit" };
         let heading = format!("{action} {}", Path::new(&self.of).file_stem().unwrap_or_default().display());
@@ -180,7 +173,7 @@ impl Editor {
 
     /// Draws the number of trials, the errors that no field shows, and the button that saves; returns the saved
     /// file.
-    fn summary(&mut self, ui: &mut Ui) -> Option<Saved> {
+    fn summary(&mut self, ui: &mut Ui) -> Option<PathBuf> {
         let is_stale = !self.form.errors.is_empty();
         if let Some(protocol) = self.form.protocol.as_ref() {
             ui.scope(|ui| {
@@ -208,18 +201,16 @@ impl Editor {
                 [] => ui::hint(ui, format!("as {}", path.display())),
                 [first, ..] => {
                     let count = count(form.errors.len() as u64, "error");
-                    ui::show_error(ui, format!("{count}, first in {}.", form.label(first)));
+                    let place = if first.key.is_empty() { "the file" } else { &first.key };
+                    ui::show_error(ui, format!("{count}, first in {place}."));
                 }
             }
             clicked
         });
         let saves = clicked.inner || valid && ui.input_mut(|input| input.consume_shortcut(&SAVE));
-        let edited = self.sessions.map(|_| (Path::new(&self.of), self.before.0.as_str()));
-        match saves.then(|| definition::save(edited, &path, &form.draft.text())) {
-            Some(Ok(())) => {
-                let is_renamed = edited.is_some_and(|(of, _)| of != path);
-                return Some(Saved { path, renamed: is_renamed.then(|| self.of.clone()) });
-            }
+        let opened = self.sessions.map(|_| self.opened.as_str());
+        match saves.then(|| definition::save(&path, opened, &form.draft.text())) {
+            Some(Ok(())) => return Some(path),
             Some(Err(error)) => self.error = error.to_string(),
             None => {}
         }
@@ -235,15 +226,13 @@ impl Editor {
         None
     }
 
-    /// Returns where the definition is saved. A file that has the name of its experiment is renamed with it.
+    /// Returns where the definition is saved.
     fn place(&self) -> PathBuf {
-        let (of, draft) = (Path::new(&self.of), &self.form.draft);
-        let name = draft.get("name").unwrap_or_default();
-        if self.sessions.is_none() {
-            return draft.folder.join(format!("{name}.toml"));
+        let draft = &self.form.draft;
+        match self.sessions {
+            Some(_) => self.of.clone().into(),
+            None => draft.folder.join(format!("{}.toml", draft.get("name").unwrap_or_default())),
         }
-        let was_named = of.file_stem().and_then(|stem| stem.to_str()) == self.before.1.as_deref();
-        if was_named && !name.is_empty() { of.with_file_name(format!("{name}.toml")) } else { of.to_owned() }
     }
 
     fn conditions(&mut self, ui: &mut Ui) {

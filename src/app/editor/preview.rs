@@ -1,14 +1,13 @@
-//! What one trial shows, what a simulated observer answers, and the stimuli of all conditions.
+//! What one trial shows, and the stimuli of all conditions.
 
 use eframe::egui::{Align2, FontId, Id, Rect, Sense, TextureHandle, Ui, Vec2, vec2};
 
 use crate::{
     app::ui::{
         self,
-        own_plot::OwnPlot,
         pixels::{self, Drawn},
         theme::{self, GAP},
-        work::{Kept, Latest},
+        work::Kept,
     },
     experiment::{
         Category, Condition, Course, Factor, Identity, Phase, Protocol,
@@ -17,18 +16,13 @@ use crate::{
     light::{Bits, Quantizer, Transfer},
     report::{document::numbers::count, names},
     stimulus::Stimulus,
-    work,
 };
 
 /// Largest size of the picture of a trial, and of a stimulus in it, points.
 const ROOM: Vec2 = vec2(420.0, 200.0);
 const SIDE: f32 = 140.0;
-/// Size of the plot, points.
-const PLOT: Vec2 = vec2(640.0, 180.0);
 /// Room for the captions below the stimuli, points.
 const CAPTION: f32 = 22.0;
-/// Maximum number of trials for which an observer is simulated.
-const MAX_TRIALS: usize = 2000;
 
 /// Maximum number of thumbnails.
 const MAX_THUMBNAILS: usize = 200;
@@ -41,24 +35,14 @@ pub struct Preview {
     /// The trial, by the revision of the form.
     trial: Kept<u64, Option<Presentation>>,
     drawn: Drawn<(Vec<Stimulus>, u32)>,
-    /// The plot of a simulated observer's answers to each definition; `None` if there is nothing to plot.
-    plot: Latest<Protocol, Option<OwnPlot>>,
 }
 
 impl Preview {
-    /// Draws the first trial of the main part and, of an adaptive method, the levels that a simulated observer would see.
-    /// A rating is shown by its conditions alone. `when` follows the headings.
+    /// Draws the first trial of the main part. A rating is shown by its conditions alone. `when` follows the heading.
     pub fn show(&mut self, ui: &mut Ui, protocol: &Protocol, revision: u64, when: &str) {
         if protocol.task.is_default() {
             return;
         }
-        self.trial(ui, protocol, revision, when);
-        if protocol.adaptive.is_some() && protocol.main_trials() <= MAX_TRIALS {
-            self.pilot(ui, protocol, when);
-        }
-    }
-
-    fn trial(&mut self, ui: &mut Ui, protocol: &Protocol, revision: u64, when: &str) {
         let layout = protocol.task.layout();
         let [columns, rows] = if layout.intervals() > 1 { [layout.intervals(), 1] } else { layout.grid() };
         let room = vec2(ROOM.x.min(ui.available_width()), ROOM.y);
@@ -96,31 +80,6 @@ impl Preview {
             protocol.response.categories.iter().map(answer).collect::<Vec<_>>().join(" · ")
         };
         ui::hint(ui, format!("{} {answers}", protocol.response.question));
-    }
-
-    /// Draws the levels that an observer sees, dimmed while they belong to an older definition.
-    fn pilot(&mut self, ui: &mut Ui, protocol: &Protocol, when: &str) {
-        self.plot.want(ui.ctx(), protocol.clone(), || {
-            let protocol = protocol.clone();
-            move || {
-                let rows = work::simulate::one_session(&protocol).map_err(|error| error.to_string())?;
-                Ok(OwnPlot::new(&protocol, &rows))
-            }
-        });
-        ui::section(ui, format!("The levels of a simulated observer{when}"));
-        let size = vec2(PLOT.x.min(ui.available_width()), PLOT.y);
-        ui.allocate_ui(size, |ui| {
-            ui.set_min_size(size);
-            if self.plot.get(protocol).is_none() {
-                ui.multiply_opacity(theme::STALE);
-            }
-            match self.plot.last() {
-                Some(Ok(Some(plot))) => plot.draw(ui, PLOT.y),
-                Some(Ok(None)) => ui::hint(ui, "This observer saw no levels."),
-                Some(Err(error)) => ui::show_error(ui, error),
-                None => ui::hint(ui, "It is answering…"),
-            }
-        });
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use eframe::egui::{Align, CollapsingHeader, Rect, TextEdit, Ui, Vec2};
+use eframe::egui::{Align, Button, CollapsingHeader, Rect, Ui, Vec2};
 
 use super::{
     form::{DefinitionForm, LABELS, add},
@@ -162,14 +162,22 @@ fn participant(form: &mut DefinitionForm, ui: &mut Ui) {
     ui::hint(ui, "What a session asks before its first page. Answers to choose from are separated by commas.");
     ui::text::errors(ui, &form.own_error("participant"));
     let names = form.draft.keys("participant");
-    for place in 0..names.len() {
-        question(form, ui, &names, place);
-    }
-    let known = ParticipantFields::known_names().map(str::to_owned);
-    let own = (names.len() + 1..).map(|number| format!("question_{number}")).find(|own| !names.contains(own));
-    let own = own.map(|name| (name, "A question of your own".to_owned()));
-    let known = known.filter(|name| !names.contains(name)).map(|name| (name.clone(), capitalized(&name)));
-    if let Some(name) = add(ui, "Add a question", known.chain(own)) {
+    names.iter().for_each(|name| question(form, ui, name));
+    let is_new = |name: &str| !name.is_empty() && !names.iter().any(|other| other == name);
+    let known = ParticipantFields::known_names().filter(|name| is_new(name)).map(str::to_owned);
+    let mut added = add(ui, "Add a question", known.map(|name| (name.clone(), capitalized(&name))));
+    let mut own = form.value(OWN, "");
+    ui.horizontal_wrapped(|ui| {
+        let field = Field::new("Or one of your own, named").width(150.0).hint("dominant_eye");
+        if field.text(ui, &mut own).on_hover_text("Its column in participants.tsv.").changed() {
+            form.keep_typed(OWN, &own);
+        }
+        let is_name = is_new(&own) && own.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+        if ui.add_enabled(is_name, Button::new("Add")).clicked() {
+            added = Some(own);
+        }
+    });
+    if let Some(name) = added {
         form.rebuild(|draft| {
             draft.add_table(&format!("participant.{name}"));
             if name == "consent" {
@@ -180,20 +188,20 @@ fn participant(form: &mut DefinitionForm, ui: &mut Ui) {
     }
 }
 
+/// The key of what is typed as the name of a question that is not there yet.
+const OWN: &str = "name of a question";
 /// The kinds of questions of one's own.
 const ANSWERS: [&str; 3] = ["any text", "a number", "one of several"];
 
-/// Draws the question at a place among all `names`.
-fn question(form: &mut DefinitionForm, ui: &mut Ui, names: &[String], place: usize) {
-    let name = &names[place];
+/// Draws a question.
+fn question(form: &mut DefinitionForm, ui: &mut Ui, name: &str) {
     let key = format!("participant.{name}");
-    let is_known = |name: &str| ParticipantFields::known_names().any(|known| known == name);
-    let own = !is_known(name);
-    let shown = if own { format!("Question {}", place + 1) } else { capitalized(name) };
+    let own = !ParticipantFields::known_names().any(|known| known == name);
+    let shown = capitalized(&name.replace('_', " "));
     let draft = &form.draft;
     let spec =
         FieldSpec { choices: draft.texts(&format!("{key}.choices")).unwrap_or_default(), ..FieldSpec::default() };
-    let asked = ParticipantField { name: name.clone(), spec };
+    let asked = ParticipantField { name: name.to_owned(), spec };
     let flag = |part: &str| draft.get(&format!("{key}.{part}"));
     let is_consent = flag("text").is_some();
     let was_required = flag("required").as_deref() != Some("false");
@@ -203,19 +211,10 @@ fn question(form: &mut DefinitionForm, ui: &mut Ui, names: &[String], place: usi
         _ => ANSWERS[0],
     };
     let (mut required, mut kind) = (was_required, kind_before);
-    // What is typed is a name only while no other question has it.
-    let name_key = format!("{key}.name");
-    let before = form.value(&name_key, name);
-    let mut typed = before.clone();
-    let is_free = |typed: &str| !typed.is_empty() && !is_known(typed) && !names.iter().any(|other| other == typed);
-    let taken = if typed == *name || is_free(&typed) { "" } else { "Enter a name that no other question has." };
-    let error = [form.own_error(&key).as_str(), taken].join("\n");
-    let removed = Field::new(&shown).column(LABELS).slot().error(error.trim()).show(ui, |ui, _| {
+    let error = form.own_error(&key);
+    let removed = Field::new(&shown).column(LABELS).slot().error(&error).show(ui, |ui, _| {
         ui.horizontal_wrapped(|ui| {
             if own {
-                let edit = TextEdit::singleline(&mut typed).id_salt(("question", place)).desired_width(150.0);
-                let edit = ui.add(edit).on_hover_text("Its column in participants.tsv.");
-                ui::text::name(ui, &edit, &format!("Name of {shown}"));
                 let title = format!("Answers to {shown}");
                 Field::new("").named(&title).width(130.0).choice(ui, &mut kind, &ANSWERS, |kind| (*kind).to_owned());
             }
@@ -227,9 +226,6 @@ fn question(form: &mut DefinitionForm, ui: &mut Ui, names: &[String], place: usi
         })
         .inner
     });
-    if typed != before {
-        form.keep_typed(&name_key, &typed);
-    }
     if is_consent {
         form.lines(ui, "", &format!("{key}.text"), "", "The text to agree to.");
     } else {
@@ -256,9 +252,6 @@ fn question(form: &mut DefinitionForm, ui: &mut Ui, names: &[String], place: usi
     }
     if removed {
         form.rebuild(|draft| draft.remove(&key));
-    } else if typed != before && is_free(&typed) {
-        // Only after its other fields are drawn, so that nothing shifts.
-        form.rebuild(|draft| draft.rename("participant", name, &typed));
     }
 }
 

@@ -310,13 +310,8 @@ fn answers(form: &mut DefinitionForm, ui: &mut Ui, task: &Task) {
     let (mut removed, mut errors) = (None, Vec::new());
     for answer in 0..labels.len() {
         let shown = named(answer);
-        let is_new = form.added.take_if(|added| *added == answer).is_some();
         let label = capitalized(&shown);
-        let wrong = ["labels", "keys"].map(|list| {
-            let key = format!("response.{list}.{answer}");
-            form.name(&key, &label);
-            form.error(&key)
-        });
+        let wrong = ["labels", "keys"].map(|list| form.error(&format!("response.{list}.{answer}")));
         let wrong = wrong.join("\n");
         errors.extend(wrong.lines().filter(|line| !line.is_empty()).map(|line| format!("{label}: {line}")));
         Field::new(&label).column(LABELS).show(ui, |ui, _| {
@@ -334,9 +329,6 @@ fn answers(form: &mut DefinitionForm, ui: &mut Ui, task: &Task) {
                 let label = TextEdit::singleline(&mut labels[answer]).id_salt(("label", answer)).desired_width(width);
                 let label = ui.add(label);
                 ui::text::name(ui, &label, &format!("Label of {shown}"));
-                if is_new {
-                    label.request_focus();
-                }
                 label.on_hover_text("What this answer means.");
                 if task.answers().is_none() {
                     ui.add_enabled_ui(labels.len() > *CATEGORIES.start(), |ui| {
@@ -358,7 +350,6 @@ fn answers(form: &mut DefinitionForm, ui: &mut Ui, task: &Task) {
         if added.on_hover_text("2 to 11 categories, from the weakest to the strongest.").clicked() {
             let free = ('0'..='9').chain('a'..='z').map(String::from);
             keys.push(free.filter(|key| key != "s").find(|key| !keys.contains(key)).unwrap_or_default());
-            form.added = Some(labels.len());
             labels.push(String::new());
         }
     }

@@ -41,15 +41,12 @@ impl FigureView {
         Self { figure, drawn: Latest::default(), shown: None, saving }
     }
 
-    /// Returns whether another figure is the same of other data.
-    pub fn is_like(&self, other: &Self) -> bool {
-        self.figure.name == other.figure.name
-    }
-
-    /// Shows the image of the previous figure until this one is drawn.
-    pub fn replace(&mut self, earlier: Self) {
-        self.saving = earlier.saving;
-        self.shown = earlier.shown.map(|(_, texture)| (None, texture));
+    /// Shows the image of an earlier figure until this one is drawn, if that is the same of other data.
+    pub fn follow(&mut self, earlier: &Self) {
+        if self.figure.name == earlier.figure.name {
+            self.saving = earlier.saving.clone();
+            self.shown = earlier.shown.clone().map(|(_, texture)| (None, texture)).or(self.shown.take());
+        }
     }
 
     /// Draws the figure with its title and caption.
@@ -107,9 +104,8 @@ impl FigureView {
         self.drawn.want(ui.ctx(), key, || {
             let mut figure = figure.clone();
             move || {
-                if dark {
-                    figure.svg = palette::on_dark(&figure.svg);
-                }
+                let drawn = if dark { palette::on_dark } else { palette::on_light };
+                figure.svg = drawn(&figure.svg);
                 let pixels = figure.pixels(px).map_err(|error| error.to_string())?;
                 let size = [pixels.width as usize, pixels.height as usize];
                 Ok(Arc::new(ColorImage::from_rgb(size, &pixels.rgb)))

@@ -301,7 +301,7 @@ pub fn keyed(ui: &mut Ui, text: &str, key: &str) -> bool {
 }
 
 /// Draws a dialog of at most this width, points, above the page. `add` gets the height that it may fill. Returns its
-/// result, and whether the user closed the dialog with Escape or by a click beside it.
+/// result, and whether the user closed the dialog with Escape. A click beside it loses nothing.
 pub fn modal<R>(ctx: &Context, id: &str, width: f32, add: impl FnOnce(&mut Ui, f32) -> R) -> (R, bool) {
     let room = ctx.content_rect().size() - Vec2::splat(2.0 * (MARGIN + GAP));
     let veil = ink_of(&ctx.global_style().visuals).veil;
@@ -311,7 +311,7 @@ pub fn modal<R>(ctx: &Context, id: &str, width: f32, add: impl FnOnce(&mut Ui, f
         ui.set_max_height(room.y);
         add(ui, room.y)
     });
-    let closed = shown.should_close();
+    let closed = shown.should_close() && !shown.backdrop_response.clicked();
     (shown.inner, closed)
 }
 

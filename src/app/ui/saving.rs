@@ -36,7 +36,7 @@ pub fn open(path: &Path) -> Option<String> {
 }
 
 /// The path of a file to write, the outcome of the last click on its button, and whether another click replaces the file.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct Saving {
     /// The path as typed.
     pub typed: String,

@@ -60,10 +60,13 @@ pub fn status_line(ui: &mut Ui, about: Option<(Icon, &str)>) {
                 let shown = ui.add(label);
                 menu(&shown, |ui| {
                     ui.set_width(480.0);
-                    for (text, failed) in &messages {
-                        let color = if *failed { ink(ui).bad } else { ink(ui).text };
-                        ui.add(Label::new(RichText::new(text).small().color(color)).wrap());
-                    }
+                    // A menu would stretch the spaces between the words.
+                    ui.with_layout(Layout::top_down(Align::Min), |ui| {
+                        for (text, failed) in &messages {
+                            let color = if *failed { ink(ui).bad } else { ink(ui).text };
+                            ui.add(Label::new(RichText::new(text).small().color(color)).wrap());
+                        }
+                    });
                 });
             });
         });

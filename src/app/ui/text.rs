@@ -83,9 +83,7 @@ pub fn name(ui: &Ui, response: &Response, name: &str) {
 
 /// Returns the number of trials and the estimated duration of a session.
 pub fn extent(protocol: &Protocol) -> String {
-    let practice = match protocol.design.practice {
-        0 => String::new(),
-        n => format!("{n} practice and "),
-    };
-    format!("{practice}{} trials, about {} min", protocol.main_trials(), protocol.minutes())
+    let (practice, main) = (protocol.design.practice as usize, protocol.main_trials());
+    let of_them = if practice == 0 { String::new() } else { format!(", {practice} of them practice") };
+    format!("{} trials{of_them}, about {} min", practice + main, protocol.minutes())
 }

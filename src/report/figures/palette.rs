@@ -31,6 +31,11 @@ pub const ON_WHITE: [Rgb; 7] = [BLACK, BLUE, VERMILION, GREEN, PURPLE, ORANGE, S
 /// Colors of series on a dark background.
 pub const ON_DARK: [Rgb; 7] = [ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILION, PURPLE];
 
+/// Returns a drawing on white as a drawing on a light card.
+pub fn on_light(svg: &str) -> String {
+    svg.replace(&WHITE.to_string(), &Rgb(0xfa, 0xfa, 0xfa).to_string())
+}
+
 /// Returns a drawing on white as a drawing on a dark background. Series get the colors that are as easily told apart
 /// there; the lightness of every other color is reversed, so that a scale still goes from what is close to the background
 /// to what is far from it.

@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use glam::{DMat3, DVec3, EulerRot};
-use serde_json::{Value, json};
 
 use crate::{
     light::Depth,
@@ -11,7 +10,6 @@ use crate::{
         Correction, Mesh, Normals, Scene, Shade, Shader,
         shapes::{self, Shape},
     },
-    stimulus::describe_scene,
     store,
 };
 
@@ -69,20 +67,6 @@ impl Comparison {
     pub fn set_light_deg(&mut self, [right, up]: [f64; 2]) {
         let (right, up) = (right.to_radians(), up.clamp(-89.9, 89.9).to_radians());
         self.scene.light = DVec3::new(right.sin() * up.cos(), up.sin(), right.cos() * up.cos());
-    }
-
-    /// Returns all parameters, so that anyone can reproduce the image.
-    pub fn describe(&self) -> Value {
-        let mut all = describe_scene(&self.scene);
-        (all["mesh"], all["vertices"]) = match &self.mesh {
-            MeshChoice::Named(shape, vertices) => {
-                (json!(shape.name()), json!(shape.has_vertices().then_some(vertices)))
-            }
-            MeshChoice::File(path) => (json!(path), Value::Null),
-        };
-        all["left"] = json!(self.sides[0]);
-        all["right"] = json!(self.sides[1]);
-        all
     }
 }
 

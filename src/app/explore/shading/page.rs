@@ -3,13 +3,12 @@
 use std::sync::Arc;
 
 use eframe::egui::{self, Key, Label, Pos2, Rect, RichText, UiBuilder};
-use serde_json::{Value, json};
 
 use super::{
     canvas::{self, ViewSettings},
     comparison::{Comparison, MeshChoice, title},
     controls,
-    pictures::{Measured, Picture, Pictures, SHORTER_SIDE_DEG, SIDE_PX, Scan, divided, visible},
+    pictures::{Measured, Picture, Pictures, SHORTER_SIDE_DEG, Scan, divided, visible},
 };
 use crate::{
     app::ui::{
@@ -332,30 +331,9 @@ impl ShadingPage {
             // As on the screen, but without overlays.
             let sides = self.shown(pictures).each_ref().map(|side| &side.codes);
             let image = divided(sides, self.settings.column(sides[0].width));
-            let parameters = self.parameters(pictures, [image.width, image.height]);
-            store::image::write_shaded(writer, path, &image, &pictures.transfers, &parameters)
+            store::image::write_codes(writer, path, &image, &pictures.transfers)
         });
         saving.show(ui);
         self.saving = saving;
-    }
-
-    /// Returns the parameters of the view, for the exported file.
-    fn parameters(&self, pictures: &Pictures, size: [u32; 2]) -> Value {
-        let mut all = pictures.compared.describe();
-        all["transfer"] = json!(pictures.transfers.to_string());
-        all["size"] = json!(size);
-        let column = self.settings.column(size[0]);
-        all["view"] = match self.maps() {
-            None => json!({"show": "split", "right_from_column": column}),
-            Some(measured) => json!({
-                "show": "visible difference from the smooth surface",
-                "right_from_column": column,
-                "shorter_side_deg": SHORTER_SIDE_DEG,
-                "judged_from_px": [SIDE_PX, SIDE_PX],
-                "full_scale": measured.full_scale,
-            }),
-        };
-        all["program"] = json!(concat!("machband ", env!("CARGO_PKG_VERSION")));
-        all
     }
 }

@@ -91,7 +91,7 @@ pub fn divided([left, right]: [&CodeImage; 2], column: u32) -> CodeImage {
 
 /// Side of the square image used for predictions, pixels, which shows the whole mesh: the prediction does not depend on the
 /// room for the picture. A larger image would take longer and change it little.
-pub const SIDE_PX: u32 = 512;
+const SIDE_PX: u32 = 512;
 /// Assumed size of the shorter side of the picture, degrees.
 pub const SHORTER_SIDE_DEG: f64 = 10.0;
 
