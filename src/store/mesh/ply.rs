@@ -12,9 +12,9 @@ use ply_rs_bw::{
     ply::{ElementDef, Encoding, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType},
 };
 
-use super::faces::{COLORS_ARE_CODES, Faces, MAX_CORNERS, paint, strip_triangles};
+use super::faces::{Faces, Listed, MAX_CORNERS, strip_triangles};
 use crate::{
-    shading::{Coat, mesh::MAX_COORDINATE},
+    shading::mesh::MAX_COORDINATE,
     store::{FileError, FileErrors, table::shortened},
 };
 
@@ -162,7 +162,7 @@ pub(super) fn parse(file: &str, content: &[u8]) -> Result<Faces, FileErrors> {
     let (parser, mut reader) = (Parser::<Element>::new(), Reader::new(header.as_bytes()));
     let header = parser.read_header(&mut reader).map_err(|error| at(error.line(), error))?;
     let mut line = reader.line();
-    let mut mesh = PlyMesh::default();
+    let mut mesh = Listed::default();
     // One element after the other: an element needs much more memory than what it becomes.
     for (name, definition) in &header.elements {
         // Without properties, any number of elements needs no bytes.
@@ -191,74 +191,50 @@ pub(super) fn parse(file: &str, content: &[u8]) -> Result<Faces, FileErrors> {
             };
             let wrong = |message| FileErrors::whole(file, format!("{name} {i} {message}"));
             match name.as_str() {
-                "vertex" => mesh.vertex(&element).map_err(wrong)?,
-                "face" => mesh.face(&element).map_err(wrong)?,
-                "tristrips" => mesh.strips(&element).map_err(wrong)?,
+                "vertex" => vertex(&mut mesh, &element).map_err(wrong)?,
+                "face" => face(&mut mesh, &element.corners.unwrap_or_default()).map_err(wrong)?,
+                // −1 ends a strip.
+                "tristrips" => element.corners.unwrap_or_default().split(|index| *index == -1).try_for_each(|strip| {
+                    strip_triangles(strip).iter().try_for_each(|triangle| polygon(&mut mesh, triangle)).map_err(wrong)
+                })?,
                 _ => {}
             }
         }
     }
-    if mesh.largest_color > 1.0 {
-        mesh.faces.notes.push(COLORS_ARE_CODES.to_owned());
-    }
-    mesh.faces.polygons.coats.push(Coat::default());
-    Ok(mesh.faces)
+    Ok(mesh.faces())
 }
 
-/// What was read so far.
-#[derive(Default)]
-struct PlyMesh {
-    /// The site, the normal and the color of each vertex, as it is written.
-    vertices: Vec<(u32, Option<DVec3>, Option<DVec3>)>,
-    largest_color: f64,
-    faces: Faces,
+fn vertex(mesh: &mut Listed, Element { numbers, .. }: &Element) -> Result<(), String> {
+    let three = |first: usize| match numbers[first..first + 3] {
+        [Some(x), Some(y), Some(z)] => Some(DVec3::new(x, y, z)),
+        _ => None,
+    };
+    let position = three(0).ok_or("has no position; expected x, y and z")?;
+    // NaN does not count as within.
+    if !position.to_array().iter().all(|x| x.abs() <= MAX_COORDINATE) {
+        return Err("has a position that is not finite or is beyond ±1e30; expected finite numbers".to_owned());
+    }
+    mesh.normals.push(three(3).and_then(DVec3::try_normalize));
+    mesh.vertex(position, three(COLORS));
+    Ok(())
 }
 
-impl PlyMesh {
-    fn vertex(&mut self, Element { numbers, .. }: &Element) -> Result<(), String> {
-        let three = |first: usize| match numbers[first..first + 3] {
-            [Some(x), Some(y), Some(z)] => Some(DVec3::new(x, y, z)),
-            _ => None,
-        };
-        let position = three(0).ok_or("has no position; expected x, y and z")?;
-        // NaN does not count as within.
-        if !position.to_array().iter().all(|x| x.abs() <= MAX_COORDINATE) {
-            return Err("has a position that is not finite or is beyond ±1e30; expected finite numbers".to_owned());
-        }
-        let color = three(6);
-        self.largest_color = self.largest_color.max(color.map_or(0.0, DVec3::max_element));
-        self.vertices.push((self.faces.site(position), three(3).and_then(DVec3::try_normalize), color));
-        Ok(())
+fn face(mesh: &mut Listed, list: &[i64]) -> Result<(), String> {
+    if !(3..=MAX_CORNERS).contains(&list.len()) {
+        return Err(format!("has {} corners; expected 3…{MAX_CORNERS}", list.len()));
     }
+    polygon(mesh, list)
+}
 
-    /// Adds triangle strips; −1 ends a strip.
-    fn strips(&mut self, Element { corners, .. }: &Element) -> Result<(), String> {
-        for strip in corners.as_deref().unwrap_or_default().split(|index| *index == -1) {
-            strip_triangles(strip).iter().try_for_each(|triangle| self.polygon(triangle))?;
-        }
-        Ok(())
-    }
-
-    fn face(&mut self, Element { corners, .. }: &Element) -> Result<(), String> {
-        let list = corners.as_deref().unwrap_or_default();
-        if !(3..=MAX_CORNERS).contains(&list.len()) {
-            return Err(format!("has {} corners; expected 3…{MAX_CORNERS}", list.len()));
-        }
-        self.polygon(list)
-    }
-
-    fn polygon(&mut self, list: &[i64]) -> Result<(), String> {
-        let missing = |index: &i64| match self.vertices.len() {
+fn polygon(mesh: &mut Listed, list: &[i64]) -> Result<(), String> {
+    for index in list {
+        let vertex = usize::try_from(*index).ok().filter(|vertex| *vertex < mesh.vertices.len());
+        let vertex = vertex.ok_or_else(|| match mesh.vertices.len() {
             0 => "comes before the vertices; expected them first".to_owned(),
             count => format!("refers to vertex {index}, which does not exist; expected 0…{}", count - 1),
-        };
-        let corner = |index: &i64| {
-            let found = usize::try_from(*index).ok().and_then(|index| self.vertices.get(index));
-            let (site, normal, color) = *found.ok_or_else(|| missing(index))?;
-            Ok((site, normal, paint(color, self.largest_color)))
-        };
-        let corners = list.iter().map(corner).collect::<Result<Vec<_>, String>>()?;
-        self.faces.add(corners, Some(0));
-        Ok(())
+        })?;
+        mesh.corners.push((vertex, Some(vertex)));
     }
+    mesh.ends.push(mesh.corners.len());
+    Ok(())
 }

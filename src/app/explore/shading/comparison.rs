@@ -11,7 +11,6 @@ use crate::{
         Correction, Mesh, Normals, Scene, Shade, Shader,
         shapes::{self, Shape},
     },
-    stimulus::describe_scene,
     store,
 };
 
@@ -73,7 +72,7 @@ impl Comparison {
 
     /// Returns all parameters, so that anyone can reproduce the image.
     pub fn describe(&self) -> Value {
-        let mut all = describe_scene(&self.scene);
+        let mut all = json!(self.scene);
         (all["mesh"], all["vertices"]) = match &self.mesh {
             MeshChoice::Named(shape, vertices) => {
                 (json!(shape.name()), json!(shape.has_vertices().then_some(vertices)))
