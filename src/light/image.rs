@@ -1,6 +1,8 @@
 //! Images: light, and the codes that represent it. Rows run from top to bottom, and pixels from left to right; red,
 //! green and blue are interleaved. Codes may have fewer bits than their file, such as the 10 bits of a camera in 16.
 
+use rayon::prelude::*;
+
 use super::Transfers;
 use crate::system::checkpoint;
 
@@ -116,7 +118,7 @@ fn sample_index(width: u32, height: u32, x: u32, y: u32) -> usize {
 
 /// Returns the pixels of a row of `from` pixels, with their shares, that make up pixel `at` of a row of `to` pixels: the mean
 /// of the area that it covers, or, if there are fewer, an interpolation between the centers of two.
-pub fn shares(at: u32, to: u32, from: u32) -> Vec<(u32, f64)> {
+fn shares(at: u32, to: u32, from: u32) -> Vec<(u32, f64)> {
     let scale = f64::from(from) / f64::from(to);
     // A triangle as wide as two pixels of the coarser row.
     let (center, reach) = ((f64::from(at) + 0.5) * scale - 0.5, scale.max(1.0));
@@ -128,6 +130,28 @@ pub fn shares(at: u32, to: u32, from: u32) -> Vec<(u32, f64)> {
     let all: Vec<(u32, f64)> = range.filter_map(weight).collect();
     let sum: f64 = all.iter().map(|(_, weight)| weight).sum();
     all.into_iter().map(|(pixel, weight)| (pixel, weight / sum)).collect()
+}
+
+/// Resizes a picture with `N` numbers at each pixel from one size `[across, down]` to another: every pixel is the mean of the
+/// area that it covers; a picture that grows is interpolated between the centers of its pixels.
+pub fn resized<const N: usize>(
+    from: [u32; 2],
+    to: [u32; 2],
+    at: impl Fn(u32, u32) -> [f64; N] + Sync,
+) -> Vec<[f64; N]> {
+    let [columns, rows] = [0, 1].map(|axis| (0..to[axis]).map(|i| shares(i, to[axis], from[axis])).collect::<Vec<_>>());
+    let of_row = |down: &Vec<(u32, f64)>| -> Vec<[f64; N]> {
+        checkpoint();
+        let pixel = |across: &Vec<(u32, f64)>| {
+            let mut sum = [0.0; N];
+            for ((row, by), (column, bx)) in down.iter().flat_map(|row| across.iter().map(move |column| (row, column))) {
+                sum.iter_mut().zip(at(*column, *row)).for_each(|(sum, value)| *sum += by * bx * value);
+            }
+            sum
+        };
+        columns.iter().map(pixel).collect()
+    };
+    rows.par_iter().flat_map_iter(of_row).collect()
 }
 
 /// So many bits of coincidence are not believed.

@@ -23,5 +23,5 @@ pub use mach_band::{MachBand, Ramp, RampSpace, RampSpaceError};
 pub use parameter::{Parameter, ParameterError, ParameterValue};
 pub use predicted::Visible;
 pub use profiles::{Chevreul, Cornsweet, Cylinder, Shading};
-pub use shaded_mesh::{ShadedMesh, Triple, along, describe_scene, emitted};
+pub use shaded_mesh::{ShadedMesh, Triple, along, emitted};
 pub use viewing::{Judged, Residual, SurfaceDifference, ViewingConditions};

@@ -9,7 +9,7 @@ use super::{
     parameter::{Parameter, ParameterError, ParameterValue},
 };
 use crate::{
-    light::{Bits, CodeImage, Dither, LinearImage, Quantizer, Samples, Transfer, image::shares},
+    light::{Bits, CodeImage, Dither, LinearImage, Quantizer, Samples, Transfer, image::resized},
     text::names::{expected_one_of, named},
 };
 
@@ -265,7 +265,9 @@ impl Picture {
         }
         let scale = f64::from(side) / f64::from(longer);
         let [width, height] = [light.width, light.height].map(|n| ((f64::from(n) * scale).round() as u32).max(1));
-        resized(&light, width, height)
+        let at = |x, y| light.pixel(x, y).map(f64::from);
+        let data = resized([light.width, light.height], [width, height], at).into_flattened();
+        LinearImage { width, height, data: data.into_iter().map(|light| light as f32).collect() }
     }
 }
 
@@ -303,21 +305,4 @@ fn inside([width, height]: [u32; 2], side: u32, x: u32, y: u32) -> Option<[u32; 
     let offset = |n: u32| (i64::from(side) - i64::from(n)).div_euclid(2);
     let at = |place: u32, n: u32| u32::try_from(i64::from(place) - offset(n)).ok().filter(|at| *at < n);
     Some([at(x, width)?, at(y, height)?])
-}
-
-/// Resizes a picture in linear light: every pixel is the mean of the area that it covers; a picture that grows is
-/// interpolated between the centers of its pixels.
-fn resized(image: &LinearImage, width: u32, height: u32) -> LinearImage {
-    let columns: Vec<Vec<(u32, f64)>> = (0..width).map(|x| shares(x, width, image.width)).collect();
-    let rows: Vec<Vec<(u32, f64)>> = (0..height).map(|y| shares(y, height, image.height)).collect();
-    LinearImage::from_fn(width, height, |x, y| {
-        let mut sum = [0.0_f64; 3];
-        for (row, by) in &rows[y as usize] {
-            for (column, bx) in &columns[x as usize] {
-                let pixel = image.pixel(*column, *row);
-                (0..3).for_each(|c| sum[c] += by * bx * f64::from(pixel[c]));
-            }
-        }
-        sum.map(|light| light as f32)
-    })
 }

@@ -3,7 +3,6 @@
 use std::{fmt, str::FromStr};
 
 use glam::{DVec2, DVec3};
-use serde_json::{Value, json};
 
 use super::{
     color::{self, StimulusColor},
@@ -13,8 +12,7 @@ use super::{
 use crate::{
     light::{Depth, LinearImage},
     shading::{
-        Correction, Frame, Mesh, Scene, Shade, Shader, Shading, Specular, Surface, image,
-        lighting::Microfacets,
+        Correction, Frame, Mesh, Scene, Shade, Shader, Shading, Surface, image,
         shapes::{self, Shape},
     },
     text::names::serde_as_text,
@@ -142,33 +140,6 @@ impl Area for ShadedMesh {
         let lights = along(&frame, &self.shade(), ends, size as usize);
         lights.iter().map(|light| light.unwrap_or(frame.background).as_vec3().to_array()).collect()
     }
-}
-
-/// Returns every setting of a scene, so that anyone can reproduce it.
-pub fn describe_scene(scene: &Scene) -> Value {
-    let mut all = json!({
-        "rotate_deg": scene.rotate_deg,
-        "light": scene.light.to_array(),
-        "color": scene.color.to_array(),
-        "ambient": scene.ambient,
-        "diffuse": scene.diffuse,
-        "specular": scene.specular,
-        "highlight": scene.highlight.name(),
-        "shininess": scene.shininess,
-        "background": scene.background,
-        "fill": scene.fill,
-        "distance": if scene.distance.is_finite() { json!(scene.distance) } else { json!("inf") },
-    });
-    if let Specular::CookTorrance(Microfacets { c1, slope, index }) =
-        scene.highlight.model(scene.shininess, scene.mirrors)
-    {
-        all["facet_slope"] = json!(slope);
-        all["facet_index"] = json!(index.x);
-        if let Some(c1) = c1 {
-            all["facet_c1"] = json!(c1);
-        }
-    }
-    all
 }
 
 /// Returns the picture of a frame, limited to the range from black to white, as a display emits it.

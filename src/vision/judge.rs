@@ -10,7 +10,7 @@ use super::{
     grid::{ENOUGH_PX_PER_DEG, Grid, Lookup, averaged, coarser, within},
     transforms::{Cosines, next_fast_length},
 };
-use crate::{light::image::shares, system::checkpoint};
+use crate::{light::image::resized, system::checkpoint};
 
 /// Responses with at least twice this number of places per degree are averaged before they are pooled, since the weight falls to half only within a third of a degree.
 const ENOUGH_TO_POOL: f64 = 30.0;
@@ -338,19 +338,9 @@ impl DifferenceMap {
 
     /// Returns the map with one value for each pixel of the picture, row by row.
     pub fn enlarged(&self) -> Vec<f64> {
-        let [[columns, width], [rows, height]] = [0, 1].map(|axis| [self.places[axis], self.size[axis]]);
-        let taps = |from: usize, to: usize| (0..to as u32).map(|at| shares(at, to as u32, from as u32)).collect();
-        let (across, down): (Vec<_>, Vec<_>) = (taps(columns, width), taps(rows, height));
-        let row = |down: &Vec<(u32, f64)>| -> Vec<f64> {
-            let column = |(row, by): &(u32, f64), (column, bx): &(u32, f64)| {
-                by * bx * self.times[*row as usize * columns + *column as usize]
-            };
-            let value = |across: &Vec<(u32, f64)>| {
-                down.iter().map(|row| across.iter().map(|place| column(row, place)).sum::<f64>()).sum()
-            };
-            across.iter().map(value).collect()
-        };
-        down.par_iter().flat_map_iter(row).collect()
+        let [from, to] = [self.places, self.size].map(|size| size.map(|side| side as u32));
+        let at = |x: u32, y: u32| [self.times[y as usize * self.places[0] + x as usize]];
+        resized(from, to, at).into_flattened()
     }
 }
 

@@ -5,7 +5,6 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{Encoded, Encoding, Luminances, RequestError, Watcher};
@@ -29,9 +28,6 @@ const PLACES: usize = 10;
 const APART_DEG: f64 = 0.5;
 /// From this difference between their mean luminances on, a caller is told about it, percent.
 const BRIGHTER_PERCENT: f64 = 5.0;
-/// Pairs of pictures that are larger than this are compared one after another, since each keeps all threads busy and
-/// needs 80 bytes for each of its pixels.
-const SMALL_PX: u64 = 1024 * 1024;
 
 /// Which pictures are compared, and how they are seen.
 #[derive(Clone, Debug, PartialEq, clap::Args, Serialize)]
@@ -214,12 +210,10 @@ impl Compare {
                 watcher.warn(&format!("{}: only PNG files are compared, not {others}", folder.display()));
             }
         }
-        let all: Vec<(String, [bool; 2])> = all.into_iter().collect();
         if all.is_empty() {
             anyhow::bail!("{}: contains no PNG; expected pictures", self.picture.display());
         }
-        let done = std::sync::atomic::AtomicU64::new(0);
-        let one = |(name, are_there): &(String, [bool; 2])| {
+        let one = |(done, (name, are_there)): (u64, (&String, &[bool; 2]))| {
             let compare = || {
                 if let Some((folder, _)) = folders.iter().zip(are_there).find(|(_, is_there)| !**is_there) {
                     let (folder, name) = (folder.display(), printable(name));
@@ -230,17 +224,11 @@ impl Compare {
             };
             // A map for every pair would not fit into memory.
             let found = compare().map(|found| Compared { map: Vec::new(), ..found });
-            let done = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
             watcher.progress(done, all.len() as u64);
             (name.clone(), found)
         };
-        let path = |name: &String| folders[0].join(name);
-        let is_small = |(name, _): &(String, _)| store::image::pixels(&path(name)).unwrap_or(0) <= SMALL_PX;
-        Ok(if all.iter().all(is_small) {
-            all.par_iter().with_max_len(1).map(one).collect()
-        } else {
-            all.iter().map(one).collect()
-        })
+        // One after the other, since each pair keeps all threads busy.
+        Ok((1..).zip(&all).map(one).collect())
     }
 
     /// Judges the steps between the codes of a picture: the one given, or otherwise that of the request.

@@ -20,12 +20,10 @@ use crate::{
     report::document::numbers::count,
     shading::{
         self, Body, Correction, Creases, EdgeKind, Frame, Highlight, Mirrors, Normals, Scene, Shader, Surface, Truth,
-        crease, image,
+        crease, image, number_or_inf,
         shapes::{self, Shape},
     },
-    stimulus::{
-        Judged, Residual, StimulusColor, SurfaceDifference, Triple, ViewingConditions, describe_scene, emitted,
-    },
+    stimulus::{Judged, Residual, StimulusColor, SurfaceDifference, Triple, ViewingConditions, emitted},
     store::{self, mesh::MeshFile, scene::SceneFile},
     system::{checkpoint, found},
     text::{
@@ -110,6 +108,7 @@ pub struct OneMesh {
     pub background: f64,
     /// Distance of the eye in mesh radii, 1.05 to 1e6; inf for a parallel projection.
     #[arg(long, value_name = "R", default_value_t = f64::INFINITY, value_parser = distance)]
+    #[serde(serialize_with = "number_or_inf")]
     pub distance: f64,
     /// Width of the image in degrees of visual angle, for the difference from the smooth surface, 0.5 to 170.
     #[arg(long = "window", value_name = "DEG", default_value_t = ViewingConditions::WINDOW_DEG, value_parser = within(0.5, 170.0))]
@@ -219,26 +218,6 @@ impl OneMesh {
             return Err(RequestError::new("mesh", Shape::missing(&path.to_string_lossy())).into());
         }
         Ok(store::mesh::read(path, self.crease, self.normals)?)
-    }
-
-    /// Describes all parameters of the image.
-    fn describe(&self, scene: &Scene, size: u32) -> Value {
-        let vertices = self.named().is_some_and(Shape::has_vertices).then_some(self.vertices);
-        let mut all = json!({ "mesh": self.mesh.display().to_string(), "vertices": vertices, "crease_deg": self.crease, "normals": self.normals });
-        append(&mut all, json!(self.shade()));
-        if let Some(file) = &self.truth {
-            append(&mut all, json!({ "truth": file.display().to_string(), "draws_truth": self.shader.is_none() }));
-        }
-        append(&mut all, describe_scene(scene));
-        append(&mut all, json!({ "color": self.color.to_string(), "size": size }));
-        all
-    }
-}
-
-/// Adds the fields of one object to another.
-fn append(object: &mut Value, fields: Value) {
-    if let (Value::Object(object), Value::Object(fields)) = (object, fields) {
-        object.extend(fields);
     }
 }
 
@@ -365,14 +344,17 @@ impl Shade {
         let found = given.map_or_else(|| one.mesh(), Ok)?;
         let viewing = encoded.viewing(one.window_deg, &self.luminances);
         let drawing = Drawing::new(one, found, self.image.size, &mut notes)?;
-        let mut description = one.describe(&drawing.scene, self.image.size);
+        // Only a path that is not Unicode cannot be written.
+        let mut description = serde_json::to_value(self).unwrap_or_default();
+        if !one.named().is_some_and(Shape::has_vertices) {
+            description["vertices"] = Value::Null;
+        }
         let picture = wanted.picture.then(|| {
             let image = drawing.image();
             notes.extend(clipped(&image));
             Quantizer::new(&encoded.transfers, self.image.bits).quantize_with(&image, &self.image.dither())
         });
         let metrics = wanted.metrics.then(|| drawing.metrics(viewing, description.clone(), &mut notes)).transpose()?;
-        append(&mut description, json!({ "dither": self.image.dither, "seed": self.image.seed }));
         Ok(Shaded { picture, metrics, transfers: encoded.transfers, description, notes })
     }
 
@@ -439,9 +421,11 @@ impl<'a> Drawing<'a> {
     fn metrics(
         &self,
         viewing: ViewingConditions,
-        description: Value,
+        mut description: Value,
         notes: &mut Vec<String>,
     ) -> anyhow::Result<Metrics> {
+        // It is one of the viewing conditions.
+        description.as_object_mut().map(|all| all.remove("window_deg"));
         let Self { one, shade, surface, frame, .. } = self;
         let (plain, side) = (frame.clone().unpainted(), ViewingConditions::PICTURE_PX);
         let seen = self.scene.frame(surface, side, side).unpainted();

@@ -330,14 +330,8 @@ fn errors_are_reported_with_their_position() {
         assert_eq!(message(text), expected, "{text}");
     }
     // A face that comes before its vertices and before another error.
-    assert_eq!(
-        message("f 1 2 3\nv 0 0 0\nv 0 0 x\n"),
-        "it.obj:1:7: vertex 3 does not exist; expected 1…2\nit.obj:3:7: \"x\" is not a number; expected one"
-    );
+    assert_eq!(message("f 1 2 3\nv 0 0 0\nv 0 0 x\n"), "it.obj:1:7: vertex 3 does not exist; expected 1…2");
     assert!(obj::parse("it.obj", format!("f 1 2 3\n{triangle}").as_bytes(), 180.0).is_ok());
-    // Several errors are listed in the order of the file, up to a limit.
-    assert_eq!(message("v a 0 0\nv 0 b 0\nf 1 2\n").lines().count(), 3);
-    assert_eq!(message("v a 0 0\n".repeat(1000)).lines().count(), 20);
     assert!(message(format!("v {} 0 0\n", "x".repeat(100_000))).len() < 200);
 }
 

@@ -33,6 +33,7 @@ fn hsv_and_hls_agree_with_colorsys() {
         let rgb = three(&row, 0);
         let hsv = hsv_from_rgb(rgb);
         assert!(near_by_hue(hsv, three(&row, 3), 1e-14), "{rgb:?}: {hsv:?}");
+        assert_near(&rgb_from_hsv(hsv), &rgb, 1e-14, "HSV");
         assert_near(&rgb_from_hls(three(&row, 6)), &rgb, 1e-12, "HLS");
         assert_eq!(hue(rgb).is_none(), hsv[1] == 0.0, "{rgb:?}: a gray has no hue");
     }
@@ -54,38 +55,13 @@ fn cie_spaces_agree_with_colour_science_and_the_standard() {
         let what = format!("{rgb:?}");
         let xyz = xyz_from_rgb(rgb);
         assert_near(&xyz, &row[3..6], 1e-14, &what);
+        assert_near(&rgb_from_xyz(xyz), &rgb, 1e-14, &what);
         if rgb != [0.0; 3] {
             assert_near(&xyz_from_xyy([row[6], row[7], row[4]]), &xyz, 1e-13, &what);
         }
         assert_near(&lab_from_xyz(xyz), &row[8..11], 1e-11, &what);
+        assert_near(&xyz_from_lab(lab_from_xyz(xyz)), &xyz, 1e-14, &what);
         assert_near(&xyz_from_luv([row[8], row[11], row[12]]), &xyz, 1e-13, &what);
-    }
-}
-
-fn unit() -> impl Strategy<Value = f64> {
-    prop_oneof![4 => 0.0..=1.0f64, 1 => Just(0.0), 1 => Just(1.0), 1 => Just(0.5), 1 => 0.0..1e-6f64]
-}
-
-prop_compose! {
-    fn rgb()(r in unit(), g in unit(), b in unit()) -> [f64; 3] { [r, g, b] }
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(2000))]
-
-    #[test]
-    fn every_model_converts_back(rgb in rgb()) {
-        let (hsv, [cyan, magenta, yellow]) = (hsv_from_rgb(rgb), cmy_from_rgb(rgb));
-        let black = cyan.min(magenta).min(yellow);
-        let cmyk = [cyan - black, magenta - black, yellow - black, black];
-        prop_assert!(near(&rgb_from_hsv(hsv), &rgb, 1e-14));
-        prop_assert!(near(&cmy_from_rgb(cmy_from_rgb(rgb)), &rgb, 1e-15));
-        prop_assert!(near(&rgb_from_cmyk(cmyk), &rgb, 1e-15));
-        prop_assert!((0.0..=1.0).contains(&hsv[1]));
-        let xyz = xyz_from_rgb(rgb);
-        prop_assert!(near(&rgb_from_xyz(xyz), &rgb, 1e-14));
-        prop_assert!(near(&xyz_from_lab(lab_from_xyz(xyz)), &xyz, 1e-14));
-        prop_assert!((0.0..=100.0 + 1e-12).contains(&lab_from_xyz(xyz)[0]));
     }
 }
 
@@ -141,15 +117,6 @@ fn invalid_texts_are_explained() {
         ("xyY:0.64,0.33,0.5", "is outside the gamut of sRGB: red would be 2.3514"),
     ] {
         assert!(problem(text).contains(expected), "{text}: {}", problem(text));
-    }
-}
-
-proptest! {
-    #[test]
-    fn a_color_reads_back_as_itself(rgb in rgb()) {
-        prop_assume!(rgb != [0.0; 3]);
-        let color = color_of(rgb);
-        prop_assert_eq!(color.to_string().parse::<StimulusColor>().unwrap(), color);
     }
 }
 

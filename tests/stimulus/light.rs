@@ -50,18 +50,6 @@ fn derivatives_vanish_up_to_the_depth_and_then_jump() {
 
 proptest! {
     #[test]
-    fn halves_complement_each_other(n in 1u8..=32, billionths in 0u32..=1 << 30) {
-        // A multiple of 2⁻³⁰, so that 1 − u is exact and any error comes from the function.
-        let u = f64::from(billionths) / f64::from(1u32 << 30);
-        for depth in [Depth::Finite(n), Depth::Infinite] {
-            let i = Interpolation::new(depth);
-            let inside = u > 0.0 && u < 1.0;
-            let sum = i.value(u) + i.value(1.0 - u);
-            prop_assert!((sum - 1.0).abs() <= f64::EPSILON || depth == Depth::Infinite && !inside);
-        }
-    }
-
-    #[test]
     fn interpolation_never_falls(n in 1u8..=32, k in 0.01..100.0f64, a in -0.1..1.1f64, step in 1e-12..0.1f64) {
         for i in [Interpolation::new(Depth::Finite(n)), Interpolation::with_k(Depth::Infinite, k)] {
             prop_assert!(i.value(a + step) >= i.value(a));

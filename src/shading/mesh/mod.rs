@@ -11,7 +11,6 @@ mod triangles;
 pub use build::{MAX_COORDINATE, Polygons, triangulated};
 pub use normals::{Normals, newell};
 pub use paint::{Coat, Paint, PaintedCorner, Texture, Wrap};
-pub use repair::Seams;
 pub use smooth::Smooth;
 pub use triangles::Surface;
 pub use triangles::{Edge, EdgeKind, Edges, Mesh, Vertex};

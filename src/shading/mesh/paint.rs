@@ -1,8 +1,8 @@
-//! Colors, textures and normal maps on a mesh.
+//! Colors and textures on a mesh.
 
 use std::sync::Arc;
 
-use glam::{DVec2, DVec3, DVec4};
+use glam::{DVec2, DVec3};
 pub use gltf::texture::WrappingMode as Wrap;
 
 /// What a mesh is painted with. Its colors and textures multiply the diffuse color of the material.
@@ -23,39 +23,17 @@ pub struct PaintedCorner {
     pub color: DVec3,
     /// The place on the textures: 0…1 to the right and down. They continue beyond as [`Wrap`] says.
     pub place: DVec2,
-    /// The direction on the surface in which `place.x` grows, of any length, in the mesh's own axes; w is −1 where the
-    /// texture is mirrored, otherwise 1. Zero where there is no normal map.
-    pub tangent: DVec4,
-}
-
-impl PaintedCorner {
-    /// Returns the weighted mean of corners; the weights add up to 1.
-    pub(crate) fn mean(corners: &[PaintedCorner; 3], w: [f64; 3]) -> PaintedCorner {
-        let mut mean = PaintedCorner { color: DVec3::ZERO, place: DVec2::ZERO, tangent: DVec4::ZERO };
-        for (corner, w) in corners.iter().zip(w) {
-            mean.color += w * corner.color;
-            mean.place += w * corner.place;
-            mean.tangent += w * corner.tangent;
-        }
-        mean
-    }
 }
 
 impl Default for PaintedCorner {
     /// White, without a place.
     fn default() -> Self {
-        PaintedCorner { color: DVec3::ONE, place: DVec2::ZERO, tangent: DVec4::ZERO }
+        PaintedCorner { color: DVec3::ONE, place: DVec2::ZERO }
     }
 }
 
-/// The textures of some triangles.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Coat {
-    /// Linear red, green and blue.
-    pub base: Option<Arc<Texture>>,
-    /// Normals in the frame of tangent, bitangent and normal, of any length above 0.
-    pub normals: Option<Arc<Texture>>,
-}
+/// The texture of some triangles, if they have one.
+pub type Coat = Option<Arc<Texture>>;
 
 /// An image on a surface, bilinearly interpolated between the centers of its texels, without smaller copies for
 /// distant surfaces.
@@ -65,7 +43,7 @@ pub struct Texture {
     pub width: u32,
     /// Number of rows, at least 1.
     pub height: u32,
-    /// Three numbers for each texel, row by row from the top left.
+    /// Linear red, green and blue of each texel, row by row from the top left.
     pub texels: Vec<[f32; 3]>,
     /// How it continues to the right and down.
     pub wrap: [Wrap; 2],
@@ -101,29 +79,16 @@ impl Texture {
 impl Paint {
     /// Returns the color at a point of a triangle, from the weights of its corners on the surface.
     pub fn color(&self, triangle: usize, w: [f64; 3]) -> DVec3 {
-        self.coats[self.of_triangles[triangle] as usize].color(&PaintedCorner::mean(&self.corners[triangle], w))
+        let corners = || self.corners[triangle].iter().zip(w);
+        let color: DVec3 = corners().map(|(corner, w)| w * corner.color).sum();
+        let place: DVec2 = corners().map(|(corner, w)| w * corner.place).sum();
+        let texture = &self.coats[self.of_triangles[triangle] as usize];
+        color * texture.as_ref().map_or(DVec3::ONE, |texture| texture.at(place))
     }
 
     /// True if the triangles have no color but white, and no textures.
     pub fn is_plain(&self) -> bool {
         let is_white = |corner: &PaintedCorner| corner.color == DVec3::ONE;
-        self.coats.iter().all(|coat| *coat == Coat::default()) && self.corners.iter().flatten().all(is_white)
-    }
-}
-
-impl Coat {
-    /// Returns the color at corners that were interpolated to `corner`.
-    pub(crate) fn color(&self, corner: &PaintedCorner) -> DVec3 {
-        corner.color * self.base.as_ref().map_or(DVec3::ONE, |base| base.at(corner.place))
-    }
-
-    /// Returns the unit normal that the normal map gives a surface with the unit normal `normal`.
-    pub(crate) fn normal(&self, corner: &PaintedCorner, normal: DVec3) -> DVec3 {
-        let tangent = corner.tangent.truncate();
-        let tangent = (tangent - normal * normal.dot(tangent)).normalize_or_zero();
-        let Some(map) = self.normals.as_ref().filter(|_| tangent != DVec3::ZERO) else { return normal };
-        let bitangent = normal.cross(tangent) * corner.tangent.w.signum();
-        let [right, up, out] = map.at(corner.place).to_array();
-        (tangent * right + bitangent * up + normal * out).normalize_or(normal)
+        self.coats.iter().all(Option::is_none) && self.corners.iter().flatten().all(is_white)
     }
 }

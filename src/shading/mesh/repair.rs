@@ -15,28 +15,16 @@ const SAME: f64 = 1e-3;
 /// alone, as at the pole of a sphere. A small part of a mesh has no longer edges.
 const SHORT: f64 = 1e-6;
 
-/// Open edges whose ends differ by no more than this share are reported.
-const NEAR: f64 = 0.05;
-
-/// What was found along the open edges of a mesh.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Seams {
-    /// The number of positions that were joined with another one.
-    pub joined: usize,
-    /// The number of edges that are still open and run beside another open edge.
-    pub beside: usize,
-}
-
 impl Polygons {
-    /// Joins positions on open edges that are almost the same, and the ends of edges without a length to speak of. Counts
-    /// open edges that run beside others.
-    pub fn weld(&mut self, positions: &[DVec3]) -> Seams {
+    /// Joins positions on open edges that are almost the same, and the ends of edges without a length to speak of. Returns
+    /// the number of positions that were joined with another one.
+    pub fn weld(&mut self, positions: &[DVec3]) -> usize {
         let edges = self.edges();
         let length = |[a, b]: &[u32; 2]| positions[*a as usize].distance(positions[*b as usize]);
         let mut lengths: Vec<f64> = edges.iter().map(|(edge, _)| length(edge)).filter(|length| *length > 0.0).collect();
         lengths.sort_unstable_by(f64::total_cmp);
         let Some(size) = lengths.get(lengths.len() / 2).copied().filter(|size| size.is_finite()) else {
-            return Seams::default();
+            return 0;
         };
         let mut longest: HashMap<u32, f64> = HashMap::new();
         for (edge, _) in &edges {
@@ -70,27 +58,10 @@ impl Polygons {
         for site in &mut self.sites {
             *site = *joined.get(site).unwrap_or(site);
         }
-        let edges = if joined.is_empty() {
-            edges
-        } else {
+        if !joined.is_empty() {
             self.drop_collapsed();
-            self.edges()
-        };
-        let open: Vec<[u32; 2]> = edges.into_iter().filter(|(_, faces)| *faces == 1).map(|(edge, _)| edge).collect();
-        let ends = |edge: &[u32; 2]| edge.map(|site| positions[site as usize]);
-        let place = |edge: &[u32; 2]| 0.5 * ends(edge)[0] + 0.5 * ends(edge)[1];
-        let reach = |edge: &[u32; 2]| NEAR * length(edge).min(size);
-        let middles = Line::new((0..).zip(open.iter().map(place)));
-        let is_beside = |edge: &&[u32; 2]| {
-            let [a, b] = ends(edge);
-            middles.near(place(edge), reach(edge)).any(|i| {
-                let (other, most) = (&open[i as usize], reach(edge).min(reach(&open[i as usize])));
-                let [c, d] = ends(other);
-                let away = a.distance(c).max(b.distance(d)).min(a.distance(d).max(b.distance(c)));
-                away <= most && !other.iter().any(|site| edge.contains(site))
-            })
-        };
-        Seams { joined: joined.len(), beside: open.iter().filter(is_beside).count() }
+        }
+        joined.len()
     }
 
     /// Returns the edges in order, each with its lower site first, and the number of faces at each.

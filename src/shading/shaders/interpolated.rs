@@ -1,12 +1,9 @@
 //! The shaders without strips: light that is constant or a polynomial over a triangle, and light at every pixel, with the
-//! colors and normals of a painted mesh there.
+//! colors of a painted mesh there.
 
 use glam::DVec3;
 
-use crate::shading::{
-    frame::{Field, Frame, FrameVertex, Patches},
-    mesh::{Coat, PaintedCorner},
-};
+use crate::shading::frame::{Field, Frame, FrameVertex, Patches};
 
 /// For each corner, the other two, in order.
 pub const OTHERS: [(usize, usize); 3] = [(1, 2), (2, 0), (0, 1)];
@@ -45,34 +42,18 @@ impl Frame {
     /// Returns the light at the weights `w` of a triangle, at a position with a unit normal and a unit vector toward the
     /// viewer, all in eye space.
     fn pixel(&self, triangle: usize, w: [f64; 3], position: DVec3, normal: DVec3, to_viewer: DVec3) -> DVec3 {
-        let (color, normal) = match self.paint_at(triangle, w) {
-            Some((coat, mut corner)) => {
-                // The back's normal is reversed; its textures stay where they are.
-                let side = if self.triangles[triangle].is_back { -1.0 } else { 1.0 };
-                let tangent = self.view.rotation * corner.tangent.truncate();
-                corner.tangent = tangent.extend(side * corner.tangent.w);
-                (coat.color(&corner), coat.normal(&corner, normal))
-            }
-            None => (DVec3::ONE, normal),
-        };
+        let color = self.paint_color(triangle, w).unwrap_or(DVec3::ONE);
         self.lighting.painted(position, normal, to_viewer, color)
     }
 
-    /// Returns the color of the paint, if there is any, at the weights `w` of a triangle.
+    /// Returns the color of the paint, if there is any, at the weights `w` of a triangle, with correction for perspective.
     pub(super) fn paint_color(&self, triangle: usize, w: [f64; 3]) -> Option<DVec3> {
-        self.paint_at(triangle, w).map(|(coat, corner)| coat.color(&corner))
-    }
-
-    /// Interpolates the paint at the corners of a triangle with correction for perspective.
-    fn paint_at(&self, triangle: usize, w: [f64; 3]) -> Option<(&Coat, PaintedCorner)> {
         let (paint, drawn) = (self.paint.as_deref()?, &self.triangles[triangle]);
-        let [a, b, c] = paint.corners[drawn.of_mesh as usize];
-        let corners = if drawn.is_back { [a, c, b] } else { [a, b, c] };
         let near = self.corners(triangle).map(|v| self.view.nearness(v.eye.z));
         let weights = [0, 1, 2].map(|k| w[k] * near[k]);
         let sum: f64 = weights.iter().sum();
-        let mean = PaintedCorner::mean(&corners, weights.map(|weight| weight / sum));
-        Some((&paint.coats[paint.of_triangles[drawn.of_mesh as usize] as usize], mean))
+        let [a, b, c] = weights.map(|weight| weight / sum);
+        Some(paint.color(drawn.of_mesh as usize, if drawn.is_back { [a, c, b] } else { [a, b, c] }))
     }
 }
 

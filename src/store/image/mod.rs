@@ -5,7 +5,7 @@ mod picture;
 mod read;
 mod write;
 
-pub use picture::{ASSUMED, MAX_PIXELS, Picture, listed, parse_picture, pixels, read_picture};
+pub use picture::{ASSUMED, MAX_PIXELS, Picture, listed, parse_picture, read_picture};
 pub(super) use read::recipe_text;
 pub use read::{verify, verify_content};
 pub use write::{Finish, describe, hash, recipe_png, write_codes, write_recipe, write_shaded};

@@ -37,7 +37,7 @@ pub(super) fn decode(
 ) -> Result<(CodeImage, Info<'static>), StoreError> {
     let fail = |message: String| StoreError::from(FileErrors::whole(name, message));
     if !content.starts_with(b"\x89PNG\r\n\x1a\n") {
-        return Err(fail("is not a PNG; expected a PNG".to_owned()));
+        return Err(fail(format!("is {}; expected a PNG", kind_of(content))));
     }
     let broken = |error: DecodingError| {
         // What follows is the crate's own name of the chunk.
@@ -72,9 +72,6 @@ pub(super) fn decode(
     let size = reader.output_buffer_size().unwrap_or_default();
     let mut raw = vec![0; size];
     reader.next_frame(&mut raw).map_err(broken)?;
-    if is_beyond_palette(content, &info).map_err(broken)? {
-        return Err(fail("has a pixel whose color is not in its palette; expected a color of the palette".to_owned()));
-    }
     let transparent =
         || fail("has transparent pixels, and their background is not known; expected an opaque image".to_owned());
     let samples = if depth == BitDepth::Sixteen {
@@ -86,22 +83,17 @@ pub(super) fn decode(
     Ok((CodeImage { width, height, samples }, info))
 }
 
-/// True if the palette has no color for a pixel: the crate makes such pixels black.
-fn is_beyond_palette(content: &[u8], info: &Info<'_>) -> Result<bool, DecodingError> {
-    let colors = info.palette.as_ref().map_or(0, |palette| palette.len() / 3);
-    let bits = info.bit_depth as usize;
-    if info.color_type != ColorType::Indexed || colors >= 1 << bits {
-        return Ok(false);
+/// Says what a file is that is not a PNG.
+fn kind_of(content: &[u8]) -> &'static str {
+    match content {
+        [0xff, 0xd8, 0xff, ..] => "a JPEG image",
+        [b'G', b'I', b'F', b'8', ..] => "a GIF image",
+        [b'B', b'M', ..] => "a BMP image",
+        [b'I', b'I', b'*' | b'+', 0, ..] | [b'M', b'M', 0, b'*' | b'+', ..] => "a TIFF image",
+        [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => "a WebP image",
+        [0x76, 0x2f, 0x31, 0x01, ..] => "an OpenEXR image",
+        _ => "not a PNG",
     }
-    // Without transformations, codes are indices.
-    let mut decoder = Decoder::new_with_limits(Cursor::new(content), Limits { bytes: 512 << 20 });
-    decoder.set_ignore_iccp_chunk(true);
-    let mut reader = decoder.read_info()?;
-    let mut raw = vec![0; reader.output_buffer_size().unwrap_or_default()];
-    let line = reader.next_frame(&mut raw)?.line_size.max(1);
-    let index = |row: &[u8], x: usize| row[x * bits / 8] >> (8 - bits - x * bits % 8) & (u8::MAX >> (8 - bits));
-    let is_beyond = |row: &[u8]| (0..info.width as usize).any(|x| usize::from(index(row, x)) >= colors);
-    Ok(raw.chunks_exact(line).any(is_beyond))
 }
 
 /// Returns red, green and blue of each pixel without its alpha; `None` if a pixel is not opaque.

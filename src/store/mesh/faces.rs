@@ -1,6 +1,9 @@
 //! Faces from files, which become a mesh.
 
-use std::{collections::HashMap, f64::consts::PI};
+use std::{
+    collections::{BTreeSet, HashMap},
+    f64::consts::PI,
+};
 
 use glam::DVec3;
 
@@ -8,7 +11,7 @@ use super::MeshFile;
 
 use crate::{
     light::Transfer,
-    shading::{Mesh, Normals, PaintedCorner, Polygons},
+    shading::{Coat, Mesh, Normals, PaintedCorner, Polygons},
     store::FileErrors,
 };
 
@@ -74,8 +77,8 @@ impl Faces {
         normals: Normals,
     ) -> Result<MeshFile, FileErrors> {
         let repeated = self.polygons.drop_repeated();
-        let seams = self.polygons.weld(&self.positions);
-        self.is_degenerate |= seams.joined > 0;
+        let joined = self.polygons.weld(&self.positions);
+        self.is_degenerate |= joined > 0;
         let [reversed, turned, opposed] = self.polygons.unify_winding(&self.positions);
         // Not before the winding is right, which decides to which side they face.
         if self.is_flat && self.polygons.flatten(&self.positions) {
@@ -106,8 +109,7 @@ impl Faces {
             (reversed, "reversed", "face", ", because the neighbors go around the other way"),
             (turned, "reversed", "face", ", because the surface was inside out"),
             (opposed, "reversed", "face", ", because the normals point to the other side"),
-            (seams.joined, "joined vertices within a thousandth of an edge at", "place", ""),
-            (seams.beside, "left", "open edge", " beside others, so that lines may show there"),
+            (joined, "joined vertices within a thousandth of an edge at", "place", ""),
         ] {
             if number > 0 {
                 notes.push(format!("{what} {number} {of}{}{why}", if number == 1 { "" } else { "s" }));
@@ -118,12 +120,57 @@ impl Faces {
     }
 }
 
-/// Said of a file in which a color of a vertex is above 1.
-pub(super) const COLORS_ARE_CODES: &str = "colors above 1 are taken as codes of 8 bits";
+/// What an OBJ or PLY file lists: vertices, normals, and faces that refer to them.
+#[derive(Default)]
+pub(super) struct Listed {
+    pub vertices: Vec<DVec3>,
+    /// The color of each vertex, as it is written; shorter if the last ones have none.
+    colors: Vec<Option<DVec3>>,
+    /// The normals; `None` for a normal that is zero or not finite.
+    pub normals: Vec<Option<DVec3>>,
+    /// The corners of all faces, each with its vertex and its normal, from 0.
+    pub corners: Vec<(usize, Option<usize>)>,
+    /// Where each face ends in `corners`.
+    pub ends: Vec<usize>,
+    /// What was ignored.
+    pub notes: BTreeSet<&'static str>,
+}
+
+impl Listed {
+    /// Adds a vertex, with its color as it is written.
+    pub fn vertex(&mut self, position: DVec3, color: Option<DVec3>) {
+        if color.is_some() {
+            self.colors.resize(self.vertices.len(), None);
+            self.colors.push(color);
+        }
+        self.vertices.push(position);
+    }
+
+    pub fn faces(self) -> Faces {
+        let mut faces = Faces { notes: self.notes.into_iter().map(str::to_owned).collect(), ..Faces::default() };
+        let largest = self.colors.iter().flatten().map(|color| color.max_element()).fold(0.0, f64::max);
+        if largest > 1.0 {
+            faces.notes.push("colors above 1 are taken as codes of 8 bits".to_owned());
+        }
+        let coat = (!self.colors.is_empty()).then_some(0);
+        faces.polygons.coats.extend(coat.map(|_| Coat::default()));
+        let mut start = 0;
+        for end in self.ends {
+            let corner = |(vertex, normal): &(usize, Option<usize>)| {
+                let color = self.colors.get(*vertex).copied().flatten();
+                (faces.site(self.vertices[*vertex]), normal.and_then(|n| self.normals[n]), paint(color, largest))
+            };
+            let corners = self.corners[start..end].iter().map(corner).collect();
+            faces.add(corners, coat);
+            start = end;
+        }
+        faces
+    }
+}
 
 /// Returns the paint of a vertex with this sRGB color, from 0 to 1, or from 0 to 255 if the `largest` number of the file's
 /// colors is above 1.
-pub(super) fn paint(color: Option<DVec3>, largest: f64) -> PaintedCorner {
+fn paint(color: Option<DVec3>, largest: f64) -> PaintedCorner {
     let full = if largest > 1.0 { 255.0 } else { 1.0 };
     // NaN counts as 0.
     let channel = |code: f64| Transfer::Srgb.linear_from_encoded(if code > 0.0 { (code / full).min(1.0) } else { 0.0 });

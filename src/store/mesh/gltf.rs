@@ -1,20 +1,22 @@
 //! Reads glTF 2.0 files, as text (`.gltf`) and in binary (`.glb`).
 //!
 //! The reader uses every triangle of the default scene, under the transformations of its nodes: positions, normals,
-//! tangents, colors (`COLOR_0`), and the base color and normal map of the material with their texture coordinates.
-//! Animations, skins, morph targets, points, lines, transparency, other scenes and other extensions are ignored and named;
-//! cameras and everything else about materials are ignored. Textures are interpolated.
+//! colors (`COLOR_0`), and the base color of the material with its texture coordinates. Animations, skins, morph targets,
+//! points, lines, normal maps, transparency, other scenes and other extensions are ignored and named; cameras and everything
+//! else about materials are ignored. Textures are interpolated.
 
 use std::{
     collections::{BTreeSet, HashMap, HashSet},
+    io::Cursor,
     path::{Component, Path},
     sync::Arc,
 };
 
 use base64::{Engine as _, prelude::BASE64_STANDARD};
-use glam::{DMat3, DMat4, DVec2, DVec3};
+use ::image::{DynamicImage, ImageDecoder as _, ImageError, ImageFormat, ImageReader, RgbImage};
+use glam::{DAffine2, DMat3, DMat4, DVec2, DVec3};
 use gltf::{
-    Accessor, Document, Gltf, Material, Primitive, Semantic,
+    Accessor, Document, Gltf, Primitive, Semantic,
     accessor::DataType,
     buffer, image,
     json::{self, validation::Checked},
@@ -26,13 +28,15 @@ use percent_encoding::percent_decode_str;
 use super::{
     MAX_FILE,
     faces::{Faces, strip_triangles},
-    texture::{self, MAX_TEXELS, Pixels, TexturePlace},
 };
 use crate::{
     light::Transfer,
-    shading::{Coat, PaintedCorner, Texture, mesh::MAX_COORDINATE},
+    shading::{PaintedCorner, Texture, mesh::MAX_COORDINATE},
     store::{FileErrors, file::read_bytes, table::shortened},
 };
+
+/// Maximum number of texels of all textures of a mesh, as many as 4096 × 4096: each needs 12 bytes.
+const MAX_TEXELS: usize = 1 << 24;
 
 /// Maximum number of triangles: nodes can repeat a mesh any number of times.
 const MAX_TRIANGLES: usize = 4_000_000;
@@ -49,9 +53,6 @@ pub(super) fn parse(folder: Option<&Path>, file: &str, content: &[u8], is_flat: 
 
 /// The extensions that this reader knows.
 const KNOWN: [&str; 2] = ["KHR_mesh_quantization", "KHR_texture_transform"];
-
-/// Extensions that compress meshes.
-const COMPRESSION: [&str; 3] = ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
 
 fn read(folder: Option<&Path>, content: &[u8], is_flat: bool) -> Result<Faces, String> {
     // The header has 12 bytes, and its last four count them as well; the crate relies on that.
@@ -99,34 +100,20 @@ fn read(folder: Option<&Path>, content: &[u8], is_flat: bool) -> Result<Faces, S
 
 /// Checks the extensions that a file requires, and returns the names of those that are ignored.
 fn extensions(json: &mut json::Root) -> Result<Vec<String>, String> {
-    // What is compressed but not required has accessors without data, unless the data are there as well.
-    let is_elsewhere = json.accessors.iter().any(|it| it.buffer_view.is_none() && it.sparse.is_none());
-    let compressed = |name: &&&str| {
-        let is_in = |names: &[String]| names.iter().any(|other| other == **name);
-        is_in(&json.extensions_required) || is_elsewhere && is_in(&json.extensions_used)
-    };
-    if let Some(name) = COMPRESSION.iter().find(compressed) {
-        return Err(format!(
-            "its meshes are compressed with {name}, which machband does not read; expected them without compression, as \"gltf-transform copy in.glb out.glb\" writes them"
-        ));
-    }
     let named = json.extensions_used.iter().chain(&json.extensions_required);
     let ignored: BTreeSet<_> = named.filter(|name| !KNOWN.contains(&name.as_str())).cloned().collect();
     let required = &mut json.extensions_required;
-    // The crate does not know that these are read. Of materials, only the base color and the normal map count.
+    // The crate does not know that these are read. Of materials, only the base color counts.
     required.retain(|name| !KNOWN.contains(&name.as_str()) && !name.starts_with("KHR_materials_"));
     if !required.is_empty() {
         let names = required.join(", ");
         return Err(format!(
-            "it requires extensions that are not read ({names}); expected {} or none",
+            "it requires extensions that are not read ({names}); expected {} or none, as \"gltf-transform copy in.glb out.glb\" writes compressed meshes",
             KNOWN.join(", ")
         ));
     }
     Ok(ignored.into_iter().collect())
 }
-
-/// Maximum number of nodes, because finding one takes time that grows with their number.
-const MAX_NODES: usize = 10_000;
 
 /// Checks what the crate takes for granted, even when it validates.
 fn check(json: &json::Root) -> Result<(), String> {
@@ -141,9 +128,6 @@ fn check(json: &json::Root) -> Result<(), String> {
         if image.uri.is_none() && (image.buffer_view.is_none() || image.mime_type.is_none()) {
             return Err(format!("image {i} has no content; expected a URI, or a buffer view and its MIME type"));
         }
-    }
-    if json.nodes.len() > MAX_NODES {
-        return Err(format!("it has {} nodes; expected at most {MAX_NODES}", json.nodes.len()));
     }
     Ok(())
 }
@@ -216,7 +200,7 @@ impl Source<'_> {
         };
         let dense = accessor.view().filter(|_| accessor.sparse().is_none());
         let view = dense.ok_or_else(|| {
-            format!("its {what} (accessor {index}) are sparse, which machband does not read; expected all of them")
+            format!("its {what} (accessor {index}) are sparse, compressed or missing; expected them in a buffer view")
         })?;
         let (from, stride, count) = (accessor.offset(), view.stride().unwrap_or(size * given), accessor.count());
         let end = count.checked_sub(1).and_then(|last| last.checked_mul(stride)?.checked_add(size * given));
@@ -245,10 +229,8 @@ fn triangles(mode: Mode, corners: &[usize]) -> Vec<[usize; 3]> {
 struct Reader<'a> {
     source: Source<'a>,
     faces: Faces,
-    /// The index of the coat of each material, with or without its base color texture and its normal map.
-    coats: HashMap<(Option<usize>, [bool; 2]), u32>,
-    /// The pixels of each image.
-    textures: HashMap<usize, Arc<Pixels>>,
+    /// The index of the coat that has each texture, or none.
+    coats: HashMap<Option<usize>, u32>,
     /// The number of texels that textures may still have.
     texels: usize,
     triangles: usize,
@@ -335,8 +317,8 @@ impl Reader<'_> {
                 vertex.1 = (of_normals * DVec3::from_array(normal)).try_normalize();
             }
         }
-        let textures = self.paint(primitive, linear, &mut vertices)?;
-        let coat = self.coat(&primitive.material(), textures)?;
+        let texture = self.paint(primitive, &mut vertices)?;
+        let coat = self.coat(texture)?;
         for [a, b, c] in triangles {
             // A transformation that mirrors also reverses the winding.
             let corners = if side < 0.0 { [a, c, b] } else { [a, b, c] }.map(|corner| vertices[corner]);
@@ -345,20 +327,23 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Sets the colors, places in textures and tangents of a primitive's vertices. Returns which textures have such places:
-    /// the base color, and the normal map.
-    fn paint(
+    /// Sets the colors of a primitive's vertices, and their places in its texture, which is returned if they have such
+    /// places.
+    fn paint<'p>(
         &mut self,
-        primitive: &Primitive<'_>,
-        linear: DMat3,
+        primitive: &Primitive<'p>,
         vertices: &mut [Vertex],
-    ) -> Result<[bool; 2], String> {
-        let get = |semantic: Semantic| primitive.get(&semantic);
-        let (count, side) = (vertices.len(), linear.determinant().signum());
-        let material = primitive.material();
+    ) -> Result<Option<gltf::Texture<'p>>, String> {
+        let (material, count) = (primitive.material(), vertices.len());
+        if material.alpha_mode() != AlphaMode::Opaque {
+            self.notes.insert("transparency was ignored");
+        }
+        if material.normal_texture().is_some() {
+            self.notes.insert("normal maps were ignored");
+        }
         let base = material.pbr_metallic_roughness();
         let [r, g, b, _] = base.base_color_factor().map(f64::from);
-        let colors = match get(Semantic::Colors(0)) {
+        let colors = match primitive.get(&Semantic::Colors(0)) {
             Some(colors) => self.source.each::<3>(&colors, "colors", count)?,
             None => vec![[1.0; 3]; count],
         };
@@ -366,40 +351,26 @@ impl Reader<'_> {
             let color = DVec3::from_array(color) * DVec3::new(r, g, b);
             vertex.2.color = if color.is_finite() { color.clamp(DVec3::ZERO, DVec3::ONE) } else { DVec3::ONE };
         }
-        let transform = "KHR_texture_transform";
         // An extension may give a texture another image, which is ignored like the extension.
-        let has_image = |texture: gltf::Texture<'_>| texture.source().is_some();
-        let of_base = base.base_color_texture().filter(|t| has_image(t.texture()));
-        let of_base = of_base.map(|t| TexturePlace::new(t.tex_coord(), t.extension_value(transform)));
-        let of_normals = material.normal_texture().filter(|t| has_image(t.texture()));
-        let of_normals = of_normals.map(|t| TexturePlace::new(t.tex_coord(), t.extension_value(transform)));
-        let asked = [of_base.transpose()?, of_normals.transpose()?];
-        let has_places = |place: &TexturePlace| get(Semantic::TexCoords(place.set)).is_some();
-        let found = asked.map(|place| place.filter(has_places));
-        if asked != found {
+        let Some(base) = base.base_color_texture().filter(|base| base.texture().source().is_some()) else {
+            return Ok(None);
+        };
+        let place = base.texture_transform();
+        let set = place.as_ref().and_then(|place| place.tex_coord()).unwrap_or(base.tex_coord());
+        let placed = place.map_or(DAffine2::IDENTITY, |place| {
+            let two = |of: [f32; 2]| DVec2::from_array(of.map(f64::from));
+            // The angle turns the image clockwise, and v points down.
+            DAffine2::from_scale_angle_translation(two(place.scale()), -f64::from(place.rotation()), two(place.offset()))
+        });
+        let Some(places) = primitive.get(&Semantic::TexCoords(set)) else {
             self.notes.insert("textures without texture coordinates were ignored");
+            return Ok(None);
+        };
+        let places = self.source.each::<2>(&places, "texture coordinates", count)?;
+        for (vertex, place) in vertices.iter_mut().zip(places) {
+            vertex.2.place = placed.transform_point2(DVec2::from_array(place));
         }
-        let [base, normals] = found;
-        if base.is_some() && normals.is_some() && base != normals {
-            self.notes.insert("normal maps with other texture coordinates than the base color were ignored");
-        }
-        let place = base.or(normals);
-        let textures = [base.is_some(), normals.is_some() && normals == place];
-        if let Some(TexturePlace { set, placed: place_of }) = place
-            && let Some(places) = get(Semantic::TexCoords(set))
-        {
-            let places = self.source.each::<2>(&places, "texture coordinates", count)?;
-            for (vertex, place) in vertices.iter_mut().zip(places) {
-                vertex.2.place = place_of.transform_point2(DVec2::from_array(place));
-            }
-        }
-        if let Some(tangents) = get(Semantic::Tangents).filter(|_| textures[1]) {
-            let tangents = self.source.each::<4>(&tangents, "tangents", count)?;
-            for (vertex, [x, y, z, w]) in vertices.iter_mut().zip(tangents) {
-                vertex.2.tangent = (linear * DVec3::new(x, y, z)).normalize_or_zero().extend(w * side);
-            }
-        }
-        Ok(textures)
+        Ok(Some(base.texture()))
     }
 
     /// Returns the vertex of each corner of a primitive with `count` vertices.
@@ -413,39 +384,13 @@ impl Reader<'_> {
         indices.into_iter().map(corner).collect()
     }
 
-    /// Returns the index of the coat of a material with these of its textures: the base color, and the normal map.
-    fn coat(&mut self, material: &Material<'_>, textures: [bool; 2]) -> Result<u32, String> {
-        let key = (material.index(), textures);
+    /// Returns the index of the coat that has this texture.
+    fn coat(&mut self, texture: Option<gltf::Texture<'_>>) -> Result<u32, String> {
+        let key = texture.as_ref().map(gltf::Texture::index);
         if let Some(known) = self.coats.get(&key) {
             return Ok(*known);
         }
-        if material.alpha_mode() != AlphaMode::Opaque {
-            self.notes.insert("transparency was ignored");
-        }
-        let texture = |pixels: &Pixels, given: &gltf::Texture<'_>, of: &dyn Fn([u8; 3]) -> [f32; 3]| {
-            let texels = pixels.codes.iter().map(|code| of(*code)).collect();
-            let wrap = [given.sampler().wrap_s(), given.sampler().wrap_t()];
-            Arc::new(Texture { width: pixels.width, height: pixels.height, texels, wrap })
-        };
-        let mut coat = Coat::default();
-        let base = material.pbr_metallic_roughness().base_color_texture().filter(|_| textures[0]);
-        let normals = material.normal_texture().filter(|_| textures[1]);
-        if let Some(base) = base
-            && let Some(image) = base.texture().source()
-        {
-            let linear: Vec<f32> =
-                (0..=255).map(|code| Transfer::Srgb.linear_from_encoded(f64::from(code) / 255.0) as f32).collect();
-            let pixels = self.pixels(image)?;
-            coat.base = Some(texture(&pixels, &base.texture(), &|code| code.map(|code| linear[usize::from(code)])));
-        }
-        if let Some(normals) = normals
-            && let Some(image) = normals.texture().source()
-        {
-            let (pixels, scale) = (self.pixels(image)?, normals.scale());
-            let component = |code: u8| f32::from(code) / 127.5 - 1.0;
-            let of = |[x, y, z]: [u8; 3]| [component(x) * scale, component(y) * scale, component(z)];
-            coat.normals = Some(texture(&pixels, &normals.texture(), &of));
-        }
+        let coat = texture.map(|texture| self.texture(&texture)).transpose()?;
         let coats = &mut self.faces.polygons.coats;
         coats.push(coat);
         let index = coats.len() as u32 - 1;
@@ -453,10 +398,8 @@ impl Reader<'_> {
         Ok(index)
     }
 
-    fn pixels(&mut self, image: image::Image<'_>) -> Result<Arc<Pixels>, String> {
-        if let Some(known) = self.textures.get(&image.index()) {
-            return Ok(known.clone());
-        }
+    fn texture(&mut self, texture: &gltf::Texture<'_>) -> Result<Arc<Texture>, String> {
+        let image = texture.source().ok_or("a texture has no image; expected one")?;
         let read;
         let bytes = match image.source() {
             image::Source::View { view, .. } => self.source.view(&view)?,
@@ -465,10 +408,29 @@ impl Reader<'_> {
                 &read
             }
         };
-        let pixels = texture::decode(bytes, self.texels).map_err(|error| format!("image {} {error}", image.index()))?;
-        self.texels -= pixels.codes.len();
-        let pixels = Arc::new(pixels);
-        self.textures.insert(image.index(), pixels.clone());
-        Ok(pixels)
+        let pixels = decoded(bytes, self.texels).map_err(|error| format!("image {} {error}", image.index()))?;
+        self.texels -= pixels.pixels().len();
+        let light = |code: u8| Transfer::Srgb.linear_from_encoded(f64::from(code) / 255.0) as f32;
+        let lights: [f32; 256] = std::array::from_fn(|code| light(code as u8));
+        let texels = pixels.pixels().map(|pixel| pixel.0.map(|code| lights[usize::from(code)])).collect();
+        let wrap = [texture.sampler().wrap_s(), texture.sampler().wrap_t()];
+        Ok(Arc::new(Texture { width: pixels.width(), height: pixels.height(), texels, wrap }))
     }
+}
+
+/// Decodes a PNG or JPEG image of at most `most` pixels.
+///
+/// # Errors
+/// A sentence without its subject: the content is of neither format, is damaged or has too many pixels.
+fn decoded(content: &[u8], most: usize) -> Result<RgbImage, String> {
+    let Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg)) = ::image::guess_format(content) else {
+        return Err("is neither a PNG nor a JPEG image; expected one of them".to_owned());
+    };
+    let damaged = |error: ImageError| format!("is damaged ({error}); expected a PNG or JPEG image");
+    let decoder = ImageReader::with_format(Cursor::new(content), format).into_decoder().map_err(damaged)?;
+    let (width, height) = decoder.dimensions();
+    if u64::from(width) * u64::from(height) > most as u64 {
+        return Err(format!("has {width} × {height} pixels; expected at most {MAX_TEXELS} in all images together"));
+    }
+    Ok(DynamicImage::from_decoder(decoder).map_err(damaged)?.into_rgb8())
 }

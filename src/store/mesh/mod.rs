@@ -19,7 +19,6 @@ mod faces;
 mod gltf;
 mod obj;
 mod ply;
-mod texture;
 
 use std::path::Path;
 

@@ -4,23 +4,20 @@
 //! from 0 to 255 if any is above 1), normals (`vn`) and faces (`f`) with any number of corners, with positive and relative
 //! indices. All objects and groups form one mesh. Everything else (texture coordinates, lines, materials, smoothing groups, curved surfaces) is ignored.
 
-use std::{borrow::Cow, collections::BTreeSet};
+use std::borrow::Cow;
 
 use glam::DVec3;
 
-use super::faces::{COLORS_ARE_CODES, Faces, MAX_CORNERS, paint};
+use super::faces::{Faces, Listed, MAX_CORNERS};
 use crate::{
-    shading::{Coat, mesh::MAX_COORDINATE},
-    store::{FileError, FileErrors, table::shortened},
+    shading::mesh::MAX_COORDINATE,
+    store::{FileErrors, table::shortened},
 };
-
-/// Maximum number of errors reported per file.
-const MAX_ERRORS: usize = 20;
 
 /// Reads the content of an OBJ file; `file` identifies it in messages.
 ///
 /// # Errors
-/// Reports the first errors, each with its line and column: content that is not text, numbers or indices that cannot be
+/// Reports the first error, with its line and column: content that is not text, numbers or indices that cannot be
 /// read, coordinates that are not finite, vertices and normals that do not exist, and faces with too few corners.
 pub(super) fn parse(file: &str, content: &[u8]) -> Result<Faces, FileErrors> {
     // A byte order mark is not part of the first line.
@@ -41,9 +38,8 @@ pub(super) fn parse(file: &str, content: &[u8]) -> Result<Faces, FileErrors> {
     }
     let count = |wanted: &[u8]| lines.iter().filter(|(_, line)| keyword(line) == wanted).count();
     let mut reader = Reader { counts: [count(b"v"), count(b"vn")], ..Reader::default() };
-    let errors = lines.iter().filter_map(|(number, line)| reader.line(file, *number, line).err());
-    FileErrors::none(errors.take(MAX_ERRORS).collect())?;
-    Ok(reader.faces())
+    lines.iter().try_for_each(|(number, line)| reader.line(file, *number, line))?;
+    Ok(reader.listed.faces())
 }
 
 /// Returns whether the statement of a line that is read continues in the next line; a comment does not.
@@ -64,28 +60,18 @@ struct Reader {
     /// Number of vertices and normals in the whole file, because a face may come before the vertices and normals it
     /// uses.
     counts: [usize; 2],
-    vertices: Vec<DVec3>,
-    /// The color of each vertex, as it is written; empty until a vertex has one.
-    colors: Vec<Option<DVec3>>,
-    /// The normals; `None` for a normal that is zero or not finite.
-    normals: Vec<Option<DVec3>>,
-    /// The corners of all faces, each with its vertex and its normal, from 0.
-    corners: Vec<(usize, Option<usize>)>,
-    /// Where each face ends in `corners`.
-    ends: Vec<usize>,
-    /// What was ignored.
-    notes: BTreeSet<&'static str>,
+    listed: Listed,
 }
 
 impl Reader {
-    fn line(&mut self, file: &str, number: usize, line: &[u8]) -> Result<(), FileError> {
+    fn line(&mut self, file: &str, number: usize, line: &[u8]) -> Result<(), FileErrors> {
         let keyword = keyword(line);
         if !is_read(keyword) {
             return Ok(());
         }
         let text = std::str::from_utf8(line).map_err(|error| {
             let column = String::from_utf8_lossy(&line[..error.valid_up_to()]).chars().count() + 1;
-            FileError::at(file, (number, column), "is not UTF-8 text; expected numbers")
+            FileErrors::at(file, (number, column), "is not UTF-8 text; expected numbers")
         })?;
         // A comment may follow the numbers.
         let words = text.split_ascii_whitespace().skip(1);
@@ -93,42 +79,31 @@ impl Reader {
         let words: Vec<&str> = words.take(MAX_CORNERS + 1).collect();
         let read = match keyword {
             b"v" => self.vertex(text, &words),
-            b"vn" => {
-                let normal = three_numbers(text, &words);
-                self.normals.push(normal.as_ref().ok().and_then(|normal| normal.try_normalize()));
-                if self.normals.ends_with(&[None]) {
-                    self.notes.insert("normals that are zero or not finite were estimated");
+            b"vn" => three_numbers(text, &words).map(|normal| {
+                self.listed.normals.push(normal.try_normalize());
+                if self.listed.normals.ends_with(&[None]) {
+                    self.listed.notes.insert("normals that are zero or not finite were estimated");
                 }
-                normal.map(drop)
-            }
+            }),
             _ => self.face(text, &words),
         };
         read.map_err(|(word, message)| {
             let offset = (word.as_ptr() as usize).saturating_sub(text.as_ptr() as usize);
             let column = text.get(..offset).unwrap_or_default().chars().count() + 1;
-            FileError::at(file, (number, column), message)
+            FileErrors::at(file, (number, column), message)
         })
     }
 
     /// Reads `x y z`, perhaps followed by a weight, which only curves use, or a color.
     fn vertex<'a>(&mut self, text: &'a str, words: &[&'a str]) -> Result<(), Fault<'a>> {
-        let vertex = three_numbers(text, words);
-        // An invalid vertex is counted too, so that later indices stay correct.
-        self.vertices.push(*vertex.as_ref().unwrap_or(&DVec3::ZERO));
-        if let [_, _, _, color @ ..] = words
-            && color.len() >= 3
-        {
-            let color = three_numbers(text, color)?;
-            self.colors.resize(self.vertices.len() - 1, None);
-            self.colors.push(Some(color));
+        let vertex = three_numbers(text, words)?;
+        if let Some((_, word)) = vertex.to_array().iter().zip(words).find(|(x, _)| x.is_nan() || x.abs() > MAX_COORDINATE) {
+            let what = "is not finite or is beyond ±1e30; expected a finite coordinate";
+            return Err((word, format!("{:?} {what}", shortened(word))));
         }
-        match vertex?.to_array().iter().zip(words).find(|(x, _)| x.is_nan() || x.abs() > MAX_COORDINATE) {
-            Some((_, word)) => {
-                let what = "is not finite or is beyond ±1e30; expected a finite coordinate";
-                Err((word, format!("{:?} {what}", shortened(word))))
-            }
-            None => Ok(()),
-        }
+        let color = words.get(3..).filter(|color| color.len() >= 3);
+        self.listed.vertex(vertex, color.map(|color| three_numbers(text, color)).transpose()?);
+        Ok(())
     }
 
     fn face<'a>(&mut self, text: &'a str, words: &[&'a str]) -> Result<(), Fault<'a>> {
@@ -147,21 +122,21 @@ impl Reader {
             }
             let normal = match normal {
                 Some(index) if self.counts[1] == 0 && index.parse::<i64>().is_ok() => {
-                    self.notes.insert("normals were ignored that faces name but the file does not have");
+                    self.listed.notes.insert("normals were ignored that faces name but the file does not have");
                     None
                 }
                 normal => normal.map(|normal| self.index(word, 1, normal)).transpose()?,
             };
-            self.corners.push((vertex, normal));
+            self.listed.corners.push((vertex, normal));
         }
-        self.ends.push(self.corners.len());
+        self.listed.ends.push(self.listed.corners.len());
         Ok(())
     }
 
     /// Returns the index, counted from 0, that `text` refers to. `text` is a part of `word`.
     fn index<'a>(&self, word: &'a str, kind: usize, text: &str) -> Result<usize, Fault<'a>> {
         let given: i64 = text.parse().map_err(|_| not_a_corner(word))?;
-        let (above, count) = ([self.vertices.len(), self.normals.len()][kind], self.counts[kind]);
+        let (above, count) = ([self.listed.vertices.len(), self.listed.normals.len()][kind], self.counts[kind]);
         // Indices count up from 1, or back from -1.
         let found = usize::try_from(given.unsigned_abs()).unwrap_or(usize::MAX);
         let problem = match given {
@@ -173,30 +148,6 @@ impl Reader {
         };
         let name = ["vertex", "normal"][kind];
         Err((word, format!("{name} {given} does not exist{problem}")))
-    }
-
-    fn faces(self) -> Faces {
-        let mut faces = Faces::default();
-        faces.notes.extend(self.notes.into_iter().map(str::to_owned));
-        let largest = self.colors.iter().flatten().map(|color| color.max_element()).fold(0.0, f64::max);
-        faces.notes.extend((largest > 1.0).then(|| COLORS_ARE_CODES.to_owned()));
-        let coat = (!self.colors.is_empty()).then_some(0);
-        let mut start = 0;
-        for end in self.ends {
-            let corners = self.corners[start..end].iter();
-            let corners: Vec<_> = corners
-                .map(|(vertex, normal)| {
-                    let color = self.colors.get(*vertex).copied().flatten();
-                    (faces.site(self.vertices[*vertex]), normal.and_then(|n| self.normals[n]), paint(color, largest))
-                })
-                .collect();
-            faces.add(corners, coat);
-            start = end;
-        }
-        if coat.is_some() {
-            faces.polygons.coats.push(Coat::default());
-        }
-        faces
     }
 }
 
