@@ -100,8 +100,8 @@ const KNOWN: [Known; 5] = [
     known(["consent", "Consent", "Day on which the participant agreed to the text of the definition."], &[], true),
 ];
 
-/// The columns that `participants.tsv` and its export have for other things.
-const TAKEN: [&str; 6] = ["participant_id", "session_id", "observer", "sessions", "complete_sessions", "species"];
+/// The columns that have another meaning in BIDS.
+const TAKEN: [&str; 3] = ["participant_id", "session_id", "species"];
 /// The largest age that a person can have, years.
 const MAX_AGE: f64 = 130.0;
 /// Longest answer, characters.

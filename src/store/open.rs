@@ -1,7 +1,6 @@
 //! Opens files to read data from them. Only regular files are data.
 
 use std::{
-    borrow::Borrow,
     fs::{self, File},
     io::{Error, ErrorKind, Read},
     path::Path,
@@ -47,39 +46,17 @@ pub(super) fn read_at_most(file: &mut File, most: u64) -> std::io::Result<Vec<u8
     let mut bytes = Vec::new();
     if size <= most {
         // The limit also holds for a file that grows, and for a system file that reports no length.
-        Complete::of(&*file)?.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
+        file.by_ref().take(most.saturating_add(1)).read_to_end(&mut bytes)?;
+        // A failing disk or network share can end a file early, and nothing may follow from a part of it. Another program
+        // may have made the file shorter.
+        let read = bytes.len() as u64;
+        if read < size && read < file.metadata()?.len() {
+            let message = format!("the file ended after {read} of {size} bytes");
+            return Err(Error::new(ErrorKind::UnexpectedEof, message));
+        }
     }
     let size = size.max(bytes.len() as u64);
     if size > most { Err(Error::other(NotData::TooLarge { size, most })) } else { Ok(bytes) }
-}
-
-/// A file whose end is where its size says, or further: a failing disk or network share can end a file early, and nothing
-/// may follow from a part of it.
-pub(super) struct Complete<F> {
-    file: F,
-    size: u64,
-    at: u64,
-}
-
-impl<F: Borrow<File>> Complete<F> {
-    pub fn of(file: F) -> std::io::Result<Self> {
-        let size = file.borrow().metadata()?.len();
-        Ok(Self { file, size, at: 0 })
-    }
-}
-
-impl<F: Borrow<File>> Read for Complete<F> {
-    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        let mut file = self.file.borrow();
-        let count = file.read(buffer)?;
-        self.at += count as u64;
-        // Another program may have made the file shorter.
-        if count == 0 && !buffer.is_empty() && self.at < self.size && self.at < file.metadata()?.len() {
-            let message = format!("the file ended after {} of {} bytes", self.at, self.size);
-            return Err(Error::new(ErrorKind::UnexpectedEof, message));
-        }
-        Ok(count)
-    }
 }
 
 /// Maximum number of bytes of a packed file, and of what it unpacks to.

@@ -6,12 +6,11 @@ use serde::Serialize;
 
 use super::{Found, Watcher};
 use crate::{
-    report::document::numbers::count,
     store::{
         FileErrors,
         dataset::refuse_link,
         ratings::Listed,
-        session::{self, Repaired},
+        session,
     },
 };
 
@@ -46,23 +45,10 @@ impl Repair {
         for csv in &listed.files {
             let mut inside = csv.ancestors().take_while(|part| part != path);
             match inside.try_for_each(refuse_link).and_then(|()| session::repair(csv)) {
-                Ok(repaired) => all.add(csv, sentence(repaired), watcher)?,
+                Ok(repaired) => all.add(csv, repaired.to_string(), watcher)?,
                 Err(error) => all.errors.push(error),
             }
         }
         Ok(all)
     }
-}
-
-/// Says what was done.
-fn sentence(Repaired { lines, moved_to, header_restored, has_gaps }: Repaired) -> String {
-    let numbers: Vec<String> = lines.iter().map(usize::to_string).collect();
-    let moved = moved_to.map(|path| {
-        let moved = count(lines.len() as u64, "damaged line");
-        format!("{moved} moved to {}: {}", path.display(), numbers.join(", "))
-    });
-    let header = header_restored.then(|| "the header was restored".to_owned());
-    let gaps = has_gaps.then(|| "no line is damaged, but rows are missing, as the sidecar now says".to_owned());
-    let done: Vec<String> = moved.into_iter().chain(header).chain(gaps).collect();
-    if done.is_empty() { "no line is damaged".to_owned() } else { done.join("; ") }
 }

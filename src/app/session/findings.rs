@@ -27,9 +27,9 @@ fn same_as_before(before: &Sitting, display: &DisplayProfile, now_px: u32) -> Op
     let (used, size_px) = (before.display.as_ref()?, before.viewing.as_ref()?.stimulus_px);
     let same = used.sha256 == profile::hash(display) && size_px == now_px;
     let other = format!(
-        "The previous sitting used the display profile {} ({}) and a stimulus of {size_px} pixels. Go back and restore \
-            them, unless you intend to change them.",
-        used.name, used.transfer
+        "The previous sitting used the display profile {} and a stimulus of {size_px} pixels. Go back and restore them, \
+            unless you intend to change them.",
+        used.profile["name"]
     );
     let alike = "The display profile and the stimulus size are the same as in the previous sitting.";
     Some(either("same_as_before", same, [alike, &other]))

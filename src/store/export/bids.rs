@@ -45,7 +45,7 @@ pub(super) fn write(experiments: &[Experiment], to: &Path, notes: &mut Vec<Strin
         }
     }
     let (stimuli, pictures) = write_stimuli(experiments, &to.join("stimuli"), notes)?;
-    write_json(&to.join(DESCRIPTION), &description(experiments, notes)?)?;
+    write_json(&to.join(DESCRIPTION), &description(experiments)?)?;
     write_file(&to.join("README.md"), readme(experiments).as_bytes())?;
     write_participants(experiments, to, notes)?;
     for experiment in experiments {
@@ -230,7 +230,7 @@ fn rounded(value: f64, steps: f64) -> Value {
 
 /// Returns the description of the whole data set, including the entries that people added to the descriptions of the
 /// experiments.
-fn description(experiments: &[Experiment], notes: &mut Vec<String>) -> Result<Value, StoreError> {
+fn description(experiments: &[Experiment]) -> Result<Value, StoreError> {
     let mut written = Vec::<Value>::new();
     for experiment in experiments {
         if let Some((path, text)) = sessions::described(DESCRIPTION, experiment)? {
@@ -243,38 +243,22 @@ fn description(experiments: &[Experiment], notes: &mut Vec<String>) -> Result<Va
         ("BIDSVersion", Some(VERSION.into())),
         ("DatasetType", Some("raw".into())),
     ]);
-    for (theirs, ours) in [
-        ("Authors", "author"),
-        ("Funding", "funder"),
-        ("Keywords", "keywords"),
-        ("License", "license"),
-        ("HowToAcknowledge", "citation"),
-        ("DatasetDOI", "identifier"),
+    for (theirs, ours, is_list) in [
+        ("Authors", "author", true),
+        ("Funding", "funder", true),
+        ("Keywords", "keywords", true),
+        ("License", "license", false),
+        ("HowToAcknowledge", "citation", false),
     ] {
-        let is_list = matches!(theirs, "Authors" | "Funding" | "Keywords");
         let mut all: Vec<String> = Vec::new();
         for text in written.iter().filter_map(|one| one.get(ours)).flat_map(texts) {
             if !all.contains(&text) {
                 all.push(text);
             }
         }
-        let value = match &all[..] {
-            [] => None,
-            _ if is_list => Some(all.into()),
-            [one] if theirs == "DatasetDOI" => {
-                let bare = one.rsplit_once("doi.org/").map_or(&**one, |(_, bare)| bare).trim_start_matches("doi:");
-                bare.starts_with("10.").then(|| format!("doi:{bare}").into())
-            }
-            [one] => Some(one.as_str().into()),
-            several => {
-                let count = several.len();
-                notes.push(format!(
-                    "{DESCRIPTION}: the experiments have {count} different values of {ours}; none is used"
-                ));
-                None
-            }
-        };
-        entries.extend(value.map(|value| (theirs.to_owned(), value)));
+        if !all.is_empty() {
+            entries.insert(theirs.to_owned(), if is_list { all.into() } else { all.join("; ").into() });
+        }
     }
     let program = json!({ "Name": env!("CARGO_PKG_NAME"), "Version": env!("CARGO_PKG_VERSION"), "Description": "machband export --format bids" });
     entries.insert("GeneratedBy".to_owned(), json!([program]));
@@ -321,54 +305,24 @@ contains the definition, the display profile and a record of the session.
 "
 }
 
-/// Writes one row per participant: what they answered, the number of sessions, and whether a person or a simulated
-/// observer rated.
+/// Writes a row for each participant: what they answered.
 fn write_participants(experiments: &[Experiment], to: &Path, notes: &mut Vec<String>) -> Result<(), StoreError> {
-    let mut participants: BTreeMap<&str, Vec<&Recorded>> = BTreeMap::new();
-    for session in experiments.iter().flat_map(|experiment| &experiment.sessions) {
-        participants.entry(session.identity.subject()).or_default().push(session);
-    }
     let datasets: Vec<_> = experiments.iter().map(Experiment::datasets).collect::<Result<_, _>>()?;
-    let (answered, descriptions, differences) = collect(datasets.into_iter().flatten())?;
+    let (mut participants, mut descriptions, differences) = collect(datasets.into_iter().flatten())?;
     notes.extend(differences);
-    let mut described = json!({
-        "participant_id": { "Description": "Participant." },
-        "observer": {
-            "Description": "Type of observer.",
-            "Levels": { "person": "A person", "simulated": "A simulated observer", "both": "Sessions of both types" },
-        },
-        "sessions": { "Description": "Sessions of all tasks in this data set." },
-        "complete_sessions": { "Description": "Sessions in which every planned trial was rated." },
+    for session in experiments.iter().flat_map(|experiment| &experiment.sessions) {
+        participants.put(session.identity.subject(), None);
+    }
+    participants.rows.sort();
+    let described = participants.columns.iter().map(|column| {
+        (column.clone(), descriptions.remove(column).unwrap_or_else(|| json!({ "Description": column })))
     });
-    // A column that someone added by hand may have one of these names.
-    let (own, columns): (Vec<&String>, _) =
-        answered.columns[1..].iter().partition(|column| described.get(column).is_some());
-    notes.extend(own.iter().map(|column| {
-        format!("{PARTICIPANTS}: the export's own column {column} takes the place of the one in the data")
-    }));
-    let heads = columns.iter().map(|column| format!("\t{column}")).collect::<String>();
-    let mut text = format!("participant_id\tobserver\tsessions\tcomplete_sessions{heads}\n");
-    for (subject, sessions) in participants {
-        let number = |is: fn(&Recorded) -> bool| sessions.iter().filter(|session| is(session)).count();
-        let complete = number(|session| session.rated().0 == session.rated().1);
-        let observer = match number(|session| session.sidecar.sittings.iter().any(|one| one.observer.is_some())) {
-            0 => "person",
-            some if some == sessions.len() => "simulated",
-            _ => "both",
-        };
-        let answers = columns.iter().map(|column| format!("\t{}", answered.get(subject, column).unwrap_or(MISSING)));
-        let answers: String = answers.collect();
-        text += &format!("sub-{subject}\t{observer}\t{}\t{complete}{answers}\n", sessions.len());
-    }
-    for column in columns {
-        described[column] = descriptions.get(column).cloned().unwrap_or_else(|| json!({ "Description": column }));
-    }
-    write_file(&to.join(PARTICIPANTS), text.as_bytes())?;
-    write_json(&to.join(PARTICIPANTS_DESCRIBED), &described)
+    write_json(&to.join(PARTICIPANTS_DESCRIBED), &described.collect::<Map<_, _>>().into())?;
+    write_file(&to.join(PARTICIPANTS), participants.text().as_bytes())
 }
 
 /// Number of digits of a hash in a file name.
-const HASH_SHOWN: usize = 8;
+const HASH_SHOWN: usize = 16;
 /// Maximum length of the part of a file name that lists the levels.
 const MAX_LABEL: usize = 150;
 
@@ -437,8 +391,7 @@ fn write_stimuli(
                 }
                 let name = names.entry(hash).or_insert_with_key(|hash| {
                     let label = label(&session.protocol, stimulus);
-                    let short = format!("{label}_{}.png", &hash[..HASH_SHOWN]);
-                    let name = if files.contains_key(&short) { format!("{label}_{hash}.png") } else { short };
+                    let name = format!("{label}_{}.png", &hash[..HASH_SHOWN]);
                     files.insert(name.clone(), (pictures.recipe_of(stimulus), Arc::clone(&quantizer)));
                     name
                 });

@@ -3,7 +3,6 @@
 
 use std::{
     collections::{BTreeMap, BTreeSet},
-    fs::File,
     path::{Path, PathBuf},
 };
 
@@ -19,10 +18,10 @@ use crate::{
             beside, collect, describe,
         },
         error::io,
-        file::{RECORDING, make_folder, parse_json, read_existing, write_file, write_json},
-        open::{Complete, open_regular},
+        file::{RECORDING, make_folder, parse_json, read_existing, sha256, write_file, write_json},
+        open::read_regular,
         recorded::Recorded,
-        results,
+        results::{self, MAX_FRAMES},
         session::seal,
     },
     system::signals,
@@ -274,12 +273,10 @@ fn different(path: &Path, how: &str, other: &Path) -> FileErrors {
 /// # Errors
 /// The file changed since the session was read; I/O errors.
 fn copy_frames(from: &Path, to: &Path, session: &Recorded) -> Result<(), StoreError> {
-    let mut source = open_regular(from).and_then(Complete::of).map_err(io(from, "read"))?;
-    let mut copied = File::create_new(to).map_err(io(to, "write"))?;
-    std::io::copy(&mut source, &mut copied).map_err(io(from, "copy"))?;
-    if session.frames_sha256.is_some() && seal::sha256(to)? != session.frames_sha256 {
+    let frames = read_regular(from, MAX_FRAMES).map_err(io(from, "read"))?;
+    if session.frames_sha256.as_ref().is_some_and(|then| *then != sha256(&frames)) {
         let message = "was changed during the export; expected a session that is not being recorded";
         return Err(FileErrors::whole(from, message).into());
     }
-    Ok(())
+    write_file(to, &frames)
 }

@@ -397,7 +397,7 @@ impl Participants {
 
     /// Sets values in a participant's row, and adds the row and the columns that are missing. A value that is `None`
     /// does not replace an earlier one.
-    fn put<'a>(&mut self, subject: &str, values: impl IntoIterator<Item = (&'a str, Option<String>)>) {
+    pub fn put<'a>(&mut self, subject: &str, values: impl IntoIterator<Item = (&'a str, Option<String>)>) {
         let at = self.rows.iter().position(|row| is_of(row, subject)).unwrap_or_else(|| {
             let mut row = vec![MISSING.to_owned(); self.columns.len()];
             row[0] = format!("sub-{subject}");

@@ -8,7 +8,7 @@ use std::{
 use super::{
     dataset::{FRAMES_SUFFIX, beside, identity},
     results,
-    seal::{ACCEPTED, Hashes, gaps},
+    seal::{self, ACCEPTED, gaps},
     sidecar::{Pictures, Sidecar, missing},
 };
 use crate::{
@@ -16,7 +16,7 @@ use crate::{
     stimulus::Stimulus,
     store::{
         FileError, FileErrors, StoreError, definition,
-        file::{exists, held},
+        file::{exists, held, sha256},
     },
 };
 
@@ -92,12 +92,12 @@ impl Recorded {
         let course = Course::new(&protocol, &identity, sidecar.seed)
             .map_err(|error| FileErrors::whole(&sidecar_path, error.to_string()))?;
         let (data, columns) = (results::content(csv)?, columns(&protocol));
-        let hashes = Hashes::read(csv, &sidecar, Some(&data))?;
+        let frames = seal::frames(csv, &sidecar)?;
         let (whole, partial_line) = results::whole(csv, data.clone(), &columns)?;
-        let mut changed: Vec<FileError> =
-            hashes.differences(csv, &sidecar).into_iter().map(|(_, error)| error).collect();
+        let differences = seal::differences(csv, &sidecar, &data, frames.as_deref());
+        let mut changed: Vec<FileError> = differences.into_iter().map(|(_, error)| error).collect();
         changed.extend(sidecar.definition_error(&sidecar_path, &definition::hash(&protocol)));
-        let frames = beside(csv, FRAMES_SUFFIX);
+        let frames_path = beside(csv, FRAMES_SUFFIX);
         // Rows that cannot be read say nothing about whether the file is the one that was sealed.
         let rows = results::parse(&csv.display().to_string(), &whole, &columns)
             .map_err(|FileErrors(errors)| FileErrors([errors, changed.clone()].concat()))?;
@@ -105,7 +105,7 @@ impl Recorded {
         let (replays, _) = replay(csv, course, (&identity, &sidecar), &rows);
         Ok(Self {
             changed,
-            frames_sha256: hashes.of_frames().map(str::to_owned),
+            frames_sha256: frames.as_deref().map(sha256),
             rows,
             replays,
             data,
@@ -113,7 +113,7 @@ impl Recorded {
             running,
             csv: csv.to_owned(),
             sidecar_path,
-            frames: exists(&frames)?.then_some(frames),
+            frames: exists(&frames_path)?.then_some(frames_path),
             identity,
             protocol,
             schedule,

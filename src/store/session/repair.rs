@@ -2,6 +2,7 @@
 
 use std::{
     collections::HashSet,
+    fmt,
     io::ErrorKind,
     path::{Path, PathBuf},
 };
@@ -33,6 +34,23 @@ pub struct Repaired {
     pub header_restored: bool,
     /// True if rows are missing although no line is damaged, and the sidecar did not say so.
     pub has_gaps: bool,
+    /// The number of rows that are left, and the number that were sealed, if fewer are left.
+    pub left: Option<(usize, usize)>,
+}
+
+/// Says what was done, and what is missing.
+impl fmt::Display for Repaired {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = self.moved_to.as_ref().and_then(|path| path.file_name()).unwrap_or_default().to_string_lossy();
+        let numbers = self.lines.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
+        let moved = self.moved_to.as_ref().map(|_| format!("damaged lines were moved to {name}: {numbers}"));
+        let header = self.header_restored.then(|| "the header was restored".to_owned());
+        let gaps = self.has_gaps.then(|| "rows are missing before others".to_owned());
+        let left = self.left.map(|(left, sealed)| format!("of the {sealed} rows that were sealed, {left} are left"));
+        let none = (moved.is_none() && header.is_none()).then(|| "no line is damaged".to_owned());
+        let all: Vec<String> = none.into_iter().chain(moved).chain(header).chain(gaps).chain(left).collect();
+        f.write_str(&all.join("; "))
+    }
 }
 
 /// Moves the damaged lines of a session's data file to a new file next to it: lines that cannot be read, and rows that
@@ -63,14 +81,8 @@ pub fn repair(csv: &Path) -> Result<Repaired, StoreError> {
         return Ok(repaired);
     }
     repaired.moved_to = (!damaged.is_empty()).then(|| write_new(csv, &damaged)).transpose()?;
-    let Repaired { lines, moved_to, header_restored, has_gaps } = &repaired;
-    let name = moved_to.as_ref().and_then(|path| path.file_name()).unwrap_or_default().to_string_lossy();
     let [was, is] = [&before, &kept].map(|content| sha256(content));
-    let moved = moved_to.as_ref().map(|_| format!("damaged lines were moved to {name}: {}", lines.len()));
-    let header = header_restored.then(|| "the header was restored".to_owned());
-    let gaps = has_gaps.then(|| "rows are missing".to_owned());
-    let what = moved.into_iter().chain(header).chain(gaps).collect::<Vec<_>>().join("; ");
-    record(format!("{REPAIRED}{what}; sha256 {was} before, {is} now"), &mut sidecar);
+    record(format!("{REPAIRED}{repaired}; sha256 {was} before, {is} now"), &mut sidecar);
     // If the repair ends in the middle, it is recorded and can be repeated; rows must not disappear without a record.
     sidecar.write(&sidecar_path)?;
     if kept != before {
@@ -105,6 +117,10 @@ fn sort(
     let [mut replay, mut whole] = [true, false].map(|has_gaps| Replay::new(identity, course.clone(), has_gaps));
     let (mut order, mut known, mut faults) = (Order::new(true, sidecar.sittings.len()), HashSet::new(), Vec::new());
     let mut found = Repaired { header_restored, ..Repaired::default() };
+    // The last sitting that has a seal, which counts its rows and those of the sittings before it.
+    let mut sittings = sidecar.sittings.iter().enumerate().rev();
+    let sealed = sittings.find_map(|(index, sitting)| Some((index, sitting.seal.as_ref()?)));
+    let mut left = 0;
     let (mut damaged, mut kept, mut planned) = (Vec::new(), header.clone(), 0);
     for ((line, row), number) in lines.iter().zip(&rows).zip(first..) {
         let row = row.as_ref().filter(|row| replay.row(row).is_ok());
@@ -113,6 +129,7 @@ fn sort(
         if let Some(row) = row.filter(|_| errors.is_empty()) {
             order.add(row);
             known.insert(&row.row_id);
+            left += usize::from(sealed.is_some_and(|(index, _)| row.sitting as usize <= index + 1));
             found.has_gaps |= whole.row(row).map_or(true, |planned| planned.gap.is_some());
             kept.extend_from_slice(line);
         } else {
@@ -136,6 +153,7 @@ fn sort(
         );
         return Err(mismatch(what));
     }
+    found.left = sealed.map(|(_, seal)| (left, seal.data_rows)).filter(|(left, sealed)| left < sealed);
     // The beginning of a row that an interrupted write left does not count.
     let open = lines.last().filter(|last| !last.ends_with(b"\n")).map_or(0, |_| 1);
     let (moved, all) = (found.lines.len().saturating_sub(open), lines.len() - open);

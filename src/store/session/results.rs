@@ -74,8 +74,8 @@ pub fn parse(file: &str, content: &[u8], columns: &[Column]) -> Result<Vec<Trial
 
 /// The header row of a frames file.
 pub const FRAMES_HEADER: &str = "sitting,phase,trial,attempt,state,refresh_us,intervals_us";
-/// Maximum size of a frames file that a session continues, in bytes. Frames of 8 hours at 480 Hz have half of it.
-const MAX_FRAMES: u64 = 2 << 30;
+/// Maximum size of a frames file in bytes. Frames of 8 hours at 480 Hz have half of it.
+pub(in crate::store) const MAX_FRAMES: u64 = 2 << 30;
 
 /// Returns the line of a run of frames in a sitting, whose number is 1, plus 1 for each time the session was resumed; `None` if
 /// the schedule has no such trial.

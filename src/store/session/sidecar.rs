@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use crate::{
-    display::{DisplayProfile, Measurement, Monitor},
+    display::{DisplayProfile, Monitor},
     experiment::{Answers, Condition, GENERATOR, OrderedLogit, Protocol, VisionRater, columns},
     light::{Bits, Dither, Transfer, Transfers},
     stimulus::{Stimulus, recipe::Recipe},
@@ -317,13 +317,6 @@ impl SimulatedObserver {
 /// The display profile of a sitting.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct UsedDisplay {
-    /// Name of the profile.
-    pub name: String,
-    /// How encoded values become light, as in a profile.
-    pub transfer: String,
-    /// How it was measured; absent if it is an assumption.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub measured: Option<Measurement>,
     /// [`profile::hash`] of the profile.
     pub sha256: String,
     /// The whole profile, with the keys of its file.
@@ -332,13 +325,7 @@ pub struct UsedDisplay {
 
 impl From<&DisplayProfile> for UsedDisplay {
     fn from(display: &DisplayProfile) -> Self {
-        Self {
-            name: display.name.clone(),
-            transfer: display.transfers.to_string(),
-            measured: display.measured.clone(),
-            sha256: profile::hash(display),
-            profile: profile::value(display),
-        }
+        Self { sha256: profile::hash(display), profile: profile::value(display) }
     }
 }
 
@@ -420,6 +407,8 @@ pub struct InputSummary {
 pub struct Seal {
     /// Number of bytes of the data file.
     pub data_bytes: u64,
+    /// Number of rows in them.
+    pub data_rows: usize,
     /// SHA-256 of these bytes.
     pub data_sha256: String,
     /// Number of bytes of the frames file, if there is one.

@@ -6,7 +6,7 @@ use super::{
     dataset::{PARTICIPANTS, SessionPaths, enter},
     recorded::{Replays, replay},
     results,
-    seal::{Hashes, accepted, previous},
+    seal::{self, accepted, previous},
     sidecar::{FrameSummary, Seal, Sidecar, Sitting, missing},
 };
 use crate::{
@@ -361,6 +361,7 @@ impl SessionStore {
         let frames = self.frames.as_ref().filter(|file| !file.is_empty() && file.path() == self.paths.frames);
         Seal {
             data_bytes: rows.content().len() as u64,
+            data_rows: rows.content().iter().filter(|byte| **byte == b'\n').count().saturating_sub(1),
             data_sha256: sha256(rows.content()),
             frames_bytes: frames.map(|file| file.content().len() as u64),
             frames_sha256: frames.map(|file| sha256(file.content())),
@@ -426,7 +427,8 @@ impl Found {
             }
             None => return Err(missing(&paths.sidecar).into()),
         };
-        let differences = Hashes::read(&paths.csv, &sidecar, None)?.differences(&paths.csv, &sidecar);
+        let (data, frames) = (results::content(&paths.csv)?, seal::frames(&paths.csv, &sidecar)?);
+        let differences = seal::differences(&paths.csv, &sidecar, &data, frames.as_deref());
         if changes == Changes::Refuse && !differences.is_empty() {
             let errors = differences.into_iter().map(|(_, error)| error);
             return Err(StoreError::Altered(FileErrors(errors.collect())));
