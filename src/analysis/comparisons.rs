@@ -1,14 +1,15 @@
 //! Scales from paired comparisons: Thurstone's Case V and the model of Bradley and Terry.
 
-use nalgebra::Cholesky;
+use nalgebra::{Cholesky, DMatrix};
 use rand_chacha::{ChaCha8Rng, rand_core::Rng as _};
 use serde::Serialize;
 
+use super::tasks::population::Mean;
 pub use crate::experiment::task::{Scaling, Wins};
 use crate::statistics::{Interval, Z_95, mean_and_sd, t_quantile};
 
 /// The scale values of items.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Scale {
     /// The values in units of one JND, the difference that is told apart in 75 % of comparisons. Their mean is 0 in each
     /// group; an item that was compared with no other has NaN.
@@ -16,8 +17,8 @@ pub struct Scale {
     /// The items that were compared with each other, directly or through others. Values of different groups cannot be
     /// compared.
     pub groups: Vec<Vec<usize>>,
-    /// The standard errors of the values, in the same unit, if one person had made all comparisons.
-    pub errors: Vec<f64>,
+    /// The covariances of the values, in the same unit, if one person had made all comparisons; NaN between groups.
+    pub covariances: DMatrix<f64>,
     /// Whether the values of a group are limited by a weak prior, because some items were always or never chosen over all
     /// others (Ford 1957), so that the most likely values are infinite.
     pub is_limited: bool,
@@ -55,7 +56,7 @@ impl Scaling {
     /// Returns `None` if nothing was compared.
     pub fn fit(self, wins: &Wins) -> Option<Scale> {
         let (groups, mut values) = (groups(wins), vec![f64::NAN; wins.nrows()]);
-        let mut errors = values.clone();
+        let mut covariances = DMatrix::from_element(wins.nrows(), wins.nrows(), f64::NAN);
         let mut is_limited = false;
         for group in &groups {
             let own = wins.select_rows(group).select_columns(group);
@@ -67,41 +68,57 @@ impl Scaling {
             let covariance = Cholesky::new(mode.information.add_scalar(1.0))?.inverse().add_scalar(-count.powi(-2));
             for (i, item) in group.iter().enumerate() {
                 values[*item] = (mode.values[i] - mean) / self.jnd();
-                errors[*item] = covariance[(i, i)].max(0.0).sqrt() / self.jnd();
+                for (j, other) in group.iter().enumerate() {
+                    covariances[(*item, *other)] = covariance[(i, j)] / self.jnd().powi(2);
+                }
             }
             is_limited |= !is_connected;
         }
-        (!groups.is_empty()).then_some(Scale { values, groups, errors, is_limited })
+        (!groups.is_empty()).then_some(Scale { values, groups, covariances, is_limited })
     }
 
-    /// Returns the 95 % interval of each scale value, for people like these: the standard error is that of `draws` studies
-    /// whose people are drawn from these with replacement (Efron 1979), and the quantile is that of the t distribution. No
-    /// interval is narrower than if all comparisons were one person's: a few people may agree by chance.
-    /// `None` for fewer than two people; with fewer than five, also if many such studies compare other groups or, unlike
-    /// these people's, are limited by the prior: the rest would be too much alike.
-    pub fn intervals(self, people: &[Wins], draws: usize, rng: &mut ChaCha8Rng) -> Option<Vec<Interval>> {
-        let all = self.fit(&people.iter().sum())?;
+    /// Draws `draws` studies of these people with replacement (Efron 1979), and finds the scale of each. `None` for fewer than
+    /// two people; with fewer than five, also if many such studies compare other groups or, unlike these people's, are
+    /// limited by the prior: the rest would be too much alike.
+    pub fn drawn(self, people: &[Wins], draws: usize, rng: &mut ChaCha8Rng) -> Option<Drawn> {
+        let scale = self.fit(&people.iter().sum())?;
         if people.len() < 2 {
             return None;
         }
-        let mut drawn = vec![Vec::with_capacity(draws); all.values.len()];
-        for _ in 0..draws {
+        let study = |_| -> Option<Vec<f64>> {
             let pick = |_| &people[((u128::from(rng.next_u64()) * people.len() as u128) >> 64) as usize];
-            let study = (0..people.len()).map(pick).sum();
-            let scale = self.fit(&study).filter(|scale| scale.groups == all.groups);
-            let scale = scale.filter(|scale| !scale.is_limited || all.is_limited);
-            scale.into_iter().for_each(|scale| drawn.iter_mut().zip(scale.values).for_each(|(all, one)| all.push(one)));
-        }
-        let least = if people.len() < FEW { LEAST_DRAWN * draws as f64 } else { 2.0 };
-        if (drawn[0].len() as f64) < least {
-            return None;
-        }
-        let n = people.len() as f64;
-        let reach = t_quantile(n - 1.0) * (n / (n - 1.0)).sqrt();
-        let interval = |((value, drawn), error): ((&f64, &Vec<f64>), &f64)| {
-            Interval::around(*value, Some((reach * mean_and_sd(drawn).1).max(Z_95 * error)), 1.0)
+            let own = self.fit(&(0..people.len()).map(pick).sum()).filter(|own| own.groups == scale.groups)?;
+            (!own.is_limited || scale.is_limited).then_some(own.values)
         };
-        all.values.iter().zip(&drawn).zip(&all.errors).map(interval).collect()
+        let drawn: Vec<Vec<f64>> = (0..draws).filter_map(study).collect();
+        let least = if people.len() < FEW { LEAST_DRAWN * draws as f64 } else { 2.0 };
+        (drawn.len() as f64 >= least).then_some(Drawn { scale, drawn, people: people.len() })
+    }
+}
+
+/// A scale, and those of studies whose people are drawn from the same ones.
+#[derive(Clone, Debug)]
+pub struct Drawn {
+    scale: Scale,
+    drawn: Vec<Vec<f64>>,
+    people: usize,
+}
+
+impl Drawn {
+    /// Returns the value of an item or, with another one, by how much it is higher, with the 95 % interval for people like
+    /// these: the standard error is that of the drawn studies, and the quantile is that of the t distribution. No interval
+    /// is narrower than if all comparisons were one person's: a few people may agree by chance.
+    pub fn mean(&self, item: usize, other: Option<usize>) -> Mean {
+        let of = |values: &[f64]| values[item] - other.map_or(0.0, |other| values[other]);
+        let covariance = |i: usize, j: usize| self.scale.covariances[(i, j)];
+        let variance = other.map_or(covariance(item, item), |other| {
+            covariance(item, item) + covariance(other, other) - 2.0 * covariance(item, other)
+        });
+        let (value, n) = (of(&self.scale.values), self.people as f64);
+        let reach = t_quantile(n - 1.0) * (n / (n - 1.0)).sqrt();
+        let spread = mean_and_sd(&self.drawn.iter().map(|values| of(values)).collect::<Vec<_>>()).1;
+        let half = (reach * spread).max(Z_95 * variance.max(0.0).sqrt());
+        Mean { mean: value, interval: Interval::around(value, Some(half), 1.0), people: self.people }
     }
 }
 

@@ -8,7 +8,7 @@ use crate::{
     text::{Cell, Column, Table},
     work::{
         RequestError,
-        plan::{Found, OPTIONS, Plan, Planned, PlannedThresholds},
+        plan::{Found, OPTIONS, Plan, Planned, PlannedTask},
     },
 };
 
@@ -22,21 +22,22 @@ use crate::{
 #[derive(clap::Args)]
 #[command(
     after_help = "Effects: NAME=VALUE sets a parameter of the observer: depth, fall, narrow, oblique, contrast, \
-    infinite_as, strongest_width, subject_sd, lapse (see experiments/observers/paper.toml). FACTOR:LEVEL=LOGITS adds to \
-    one level of any factor of the experiment.\n\n\
+    infinite_as, strongest_width, subject_sd, lapse (see experiments/observers/paper.toml). FACTOR:LEVEL=SHIFT adds logits \
+    to one level of any factor of the experiment.\n\n\
     --slope FACTOR=SD lets people differ in the effect of a factor: each deviates at each of its levels by an independent \
     normal value, as in R's (1 | subject:factor). The more they differ, the lower the power.\n\n\
     Up to 40 participants, p values of the model come from simulated studies without the effect: as many as --studies, \
     but at least 199 and at most 999.\n\n\
-    Thresholds: for a task with [adaptive], reports the precision of a person's threshold, of the mean and of differences \
-    from the first condition, and how often analyze would find these. FACTOR:LEVEL=SHIFT moves the threshold, in base-10 \
-    logarithms of the level if the method is logarithmic. NAME=VALUE sets threshold, subject_sd, slope, lapse or \
-    false_alarms. --trials compares numbers of trials.\n\n\
+    Other tasks: reports the error of one person's threshold, d', proportion of correct answers, scale value or setting, the \
+    precision of the mean and of differences from the first condition, and how often analyze would find these. \
+    FACTOR:LEVEL=SHIFT moves it: in base-10 logarithms if levels or settings are logarithmic, in JND for pairs. NAME=VALUE \
+    sets a parameter that the first line of the output names. --trials compares numbers of trials.\n\n\
     Results depend on the seed but not on the number of threads (ChaCha8, one stream per participant and study).\n\n\
     Examples:\n  machband plan orientation --participants 4,8,12 --effect oblique=0.5\n  \
     machband plan orientation --participants 12 --effect oblique=0.5 --slope orientation_deg=0.5\n  \
     machband plan shaders --participants 8 --effect shader:gouraud=1 --effect shader:flat=2\n  \
-    machband plan threshold-width --participants 4,8 --trials 20,40 --effect orientation_deg:90=0.1 --studies 100"
+    machband plan threshold-width --participants 4,8 --trials 20,40 --effect orientation_deg:90=0.1 --studies 100\n  \
+    machband plan pairs-shaders --participants 4,8 --trials 60,120 --effect shader:flat=2"
 )]
 pub(super) struct Arguments {
     #[command(flatten)]
@@ -51,8 +52,8 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> {
     let Arguments { request, out, preregistration } = arguments;
-    if preregistration.is_some() && definition::open(&request.experiment)?.adaptive.is_some() {
-        let message = "does not apply to thresholds; expected a definition of ratings";
+    if preregistration.is_some() && !definition::open(&request.experiment)?.task.is_default() {
+        let message = "does not apply to this task; expected a definition of ratings";
         return Err(RequestError::new("preregistration", message).into());
     }
     let bar = Bar::new("simulated participants");
@@ -63,7 +64,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
         Found::Ratings(planned) => {
             (ratings(planned), RATINGS, [vec![String::new()], planned.sentences(OPTIONS)].concat())
         }
-        Found::Thresholds(planned) => (thresholds(planned), THRESHOLDS, Vec::new()),
+        Found::Task(planned) => (task(planned), TASK, Vec::new()),
     };
     let table = found.table();
     let lines = [vec![heading, String::new()], shown(&table, names), below].concat();
@@ -80,8 +81,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
 
 /// The columns of a plan that are printed.
 const RATINGS: &str = "participants term test effect_logits above below power false_alarms ci_low ci_high";
-const THRESHOLDS: &str =
-    "participants trials estimate truth missing power false_alarms ci_low ci_high half_width error";
+const TASK: &str = "participants trials estimate truth missing power false_alarms ci_low ci_high half_width error";
 
 /// Formats these columns of a table, with three decimals.
 fn shown(table: &Table, names: &str) -> Vec<String> {
@@ -97,8 +97,8 @@ fn shown(table: &Table, names: &str) -> Vec<String> {
 }
 
 /// Says what was simulated.
-fn thresholds(planned: &PlannedThresholds) -> String {
-    let PlannedThresholds { protocol, observer, sampling: Sampling { studies, seed, .. }, .. } = planned;
+fn task(planned: &PlannedTask) -> String {
+    let PlannedTask { protocol, observer, sampling: Sampling { studies, seed, .. }, .. } = planned;
     format!(
         "{}: {studies} studies per number of participants, seed {seed}; observer {observer}; differences and errors in {}",
         protocol.name,

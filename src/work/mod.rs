@@ -14,6 +14,7 @@ mod export;
 mod findings;
 mod image;
 pub mod plan;
+mod precision;
 pub mod predict;
 mod repair;
 mod request;

@@ -1,4 +1,4 @@
-//! How many participants a study needs, whatever its task, and how precise thresholds are after so many trials.
+//! How many participants and trials a study needs, whatever its task.
 
 use std::{
     fmt,
@@ -9,18 +9,21 @@ use std::{
 
 use serde::Serialize;
 
-use super::{Model, RequestError, Watcher, analyze, request::allow_only};
+pub use super::precision::{Precision, Quantity, TaskObserver};
+use super::{Model, RequestError, Watcher, analyze, precision::TaskPlan, request::allow_only};
 use crate::{
     analysis::{
         Options,
-        power::{
-            self, Hypothesis, PlanError, Power, Precision, Quantity, Sampling, Shift, Slope, Test, ThresholdObserver,
-            ThresholdPlan,
-        },
+        power::{self, Hypothesis, PlanError, Power, Sampling, Shift, Slope, Test},
     },
-    experiment::{Definition, Identity, ObserverParameters as _, OrderedLogit, Protocol, Schedule},
-    report::{names, tables::Rows, tasks::task},
-    stimulus::ParameterValue,
+    experiment::{
+        Definition, Identity, ObserverParameters as _, OrderedLogit, Protocol, Schedule,
+        task::{Pairs, Task},
+    },
+    report::{
+        tables::Rows,
+        tasks::{TaskStudy, answers},
+    },
     store::{definition, observer},
     text::{
         Table,
@@ -37,11 +40,11 @@ pub struct Plan {
     /// Number of participants per study; give several numbers to compare them.
     #[arg(long, value_name = "N,…", required = true, value_delimiter = ',', value_parser = whole::<u32>(1..=10_000))]
     pub participants: Vec<u32>,
-    /// An effect to find: NAME=VALUE or FACTOR:LEVEL=LOGITS; can be repeated.
+    /// An effect to find: NAME=VALUE or FACTOR:LEVEL=SHIFT; can be repeated.
     #[arg(long = "effect", value_name = "NAME=VALUE", value_parser = effect)]
     pub effects: Vec<Assignment>,
-    /// How much people differ in the effect of a factor, as the standard deviation in logits or, for thresholds, on the
-    /// scale of the levels; can be repeated.
+    /// How much people differ in the effect of a factor, as the standard deviation in logits or, for tasks other than
+    /// ratings, in the unit of shifts; can be repeated.
     #[arg(long = "slope", value_name = "FACTOR=SD", value_parser = deviation)]
     pub deviations: Vec<Assignment>,
     /// Number of studies to simulate for each number of participants.
@@ -53,8 +56,8 @@ pub struct Plan {
     /// Target power.
     #[arg(long, value_name = "P", default_value_t = 0.8, value_parser = proportion)]
     pub target: f64,
-    /// Number of trials of each condition of a task with an adaptive method; give several numbers to compare them
-    /// [default: that of the definition].
+    /// Number of trials of each condition or pair, or of all adaptive pairs, of a task other than a rating; give several
+    /// numbers to compare them [default: that of the definition].
     #[arg(long, value_name = "N,…", value_delimiter = ',', value_parser = whole::<u32>(1..=10_000))]
     pub trials: Vec<u32>,
     /// Seed of the simulated ratings.
@@ -98,15 +101,15 @@ impl FromStr for Assignment {
 
 serde_as_text!(Assignment);
 
-/// Largest number of logits that a level can add, or by which people can differ; far beyond the whole scale.
-const MAX_LOGITS: f64 = 1000.0;
+/// The most that a level can add, or by which people can differ; far beyond the whole scale.
+const MAX_SHIFT: f64 = 1000.0;
 
 /// Parses an effect.
 fn effect(text: &str) -> Result<Assignment, String> {
-    const FORM: &str = "expected NAME=VALUE or FACTOR:LEVEL=LOGITS, such as oblique=0.5";
+    const FORM: &str = "expected NAME=VALUE or FACTOR:LEVEL=SHIFT, such as oblique=0.5";
     let effect: Assignment = text.parse().map_err(|error| format!("{error}; {FORM}"))?;
-    if effect.name.contains(':') && effect.value.abs() > MAX_LOGITS {
-        return Err(format!("the value is out of range; expected {}…{MAX_LOGITS} logits", -MAX_LOGITS));
+    if effect.name.contains(':') && effect.value.abs() > MAX_SHIFT {
+        return Err(format!("the value is out of range; expected {}…{MAX_SHIFT}", -MAX_SHIFT));
     }
     Ok(effect)
 }
@@ -115,10 +118,10 @@ fn effect(text: &str) -> Result<Assignment, String> {
 fn deviation(text: &str) -> Result<Assignment, String> {
     let deviation: Assignment =
         text.parse().map_err(|error| format!("{error}; expected FACTOR=SD, such as width=0.5"))?;
-    if (0.0..=MAX_LOGITS).contains(&deviation.value) {
+    if (0.0..=MAX_SHIFT).contains(&deviation.value) {
         return Ok(deviation);
     }
-    Err(format!("the value is out of range; expected 0…{MAX_LOGITS} logits"))
+    Err(format!("the value is out of range; expected 0…{MAX_SHIFT}"))
 }
 
 /// Parses a proportion between 0 and 1, exclusive.
@@ -141,25 +144,27 @@ pub struct Planned {
     pub powers: Vec<Power>,
 }
 
-/// The fields that apply to thresholds; the others are about ratings.
-const OF_THRESHOLDS: [&str; 7] = ["experiment", "participants", "effects", "deviations", "studies", "seed", "trials"];
+/// The fields that apply to tasks other than ratings.
+const OF_TASKS: [&str; 7] = ["experiment", "participants", "effects", "deviations", "studies", "seed", "trials"];
 
 /// The simulated precision of a plan, and the settings on which it depends.
 #[derive(Clone, Debug)]
-pub struct PlannedThresholds {
+pub struct PlannedTask {
     pub protocol: Protocol,
-    pub observer: ThresholdObserver,
+    pub observer: TaskObserver,
     pub sampling: Sampling,
     /// For each number of trials and of participants, each quantity.
     pub found: Vec<Precision>,
+    /// The study, without answers.
+    study: TaskStudy,
 }
 
 /// What a plan found.
 pub enum Found {
     /// The power of a study of ratings.
     Ratings(Box<Planned>),
-    /// The precision of a study of thresholds.
-    Thresholds(Box<PlannedThresholds>),
+    /// The precision of a study of another task.
+    Task(Box<PlannedTask>),
 }
 
 impl Found {
@@ -167,7 +172,7 @@ impl Found {
     pub fn table(&self) -> Table {
         match self {
             Self::Ratings(planned) => planned.table(),
-            Self::Thresholds(planned) => planned.table(),
+            Self::Task(planned) => planned.table(),
         }
     }
 }
@@ -187,45 +192,38 @@ impl Plan {
                 return Err(RequestError::value(field, message).into());
             }
         }
-        if protocol.adaptive.is_some() {
-            return Ok(Found::Thresholds(Box::new(self.thresholds(protocol, watcher)?)));
-        }
         if !protocol.task.is_default() {
-            let message = format!(
-                "{} has the task {}, whose precision depends on how much people differ, which is not known before they answer; \
-                 expected a rating on a scale of categories, or a task with [adaptive]",
-                protocol.name,
-                task(&protocol.task),
-            );
-            return Err(RequestError::whole(message).into());
+            return Ok(Found::Task(Box::new(self.task(protocol, watcher)?)));
         }
         if !self.trials.is_empty() {
-            let message = "does not apply to ratings; expected a task with [adaptive]";
+            let message = "does not apply to ratings; expected another task";
             return Err(RequestError::new("trials", message).into());
         }
         Ok(Found::Ratings(Box::new(self.ratings(protocol, watcher)?)))
     }
 
-    /// Simulates studies of a definition with `[adaptive]`.
-    fn thresholds(&self, protocol: Protocol, watcher: &dyn Watcher) -> anyhow::Result<PlannedThresholds> {
-        allow_only(self, &OF_THRESHOLDS, "does not apply to thresholds; expected a definition of ratings")?;
+    /// Simulates studies of a task other than a rating on categories.
+    fn task(&self, protocol: Protocol, watcher: &dyn Watcher) -> anyhow::Result<PlannedTask> {
+        let message = format!("does not apply to {}; expected a definition of ratings", answers(&protocol.task));
+        allow_only(self, &OF_TASKS, &message)?;
         // What prevents one schedule prevents all.
         Schedule::new(&protocol, &Identity::new("S00000", "1").map_err(anyhow::Error::msg)?, self.seed)?;
-        // A difference is found by its 95 % interval.
+        // A difference is found by its corrected p, as in an analysis.
         let sampling = Sampling { studies: self.studies, seed: self.seed, ..Sampling::default() };
-        let adaptive = protocol.adaptive.clone().unwrap_or_default();
-        let (mut observer, (shifts, parameters)) = (ThresholdObserver::of(&adaptive), self.given());
-        for effect in parameters {
-            set(effect, &mut observer.parameters(adaptive.range()), &protocol)?;
-        }
-        let slopes = self.slopes();
-        let plan = |protocol| ThresholdPlan::new(&protocol, observer.clone(), &shifts, &slopes).map_err(refused);
-        let plans = self.with_trials(&protocol)?.into_iter().map(plan).collect::<Result<Vec<_>, _>>()?;
+        let ((shifts, parameters), slopes) = (self.given(), self.slopes());
+        let plan = |protocol: &Protocol| {
+            let set = |observer: &mut TaskObserver| {
+                parameters.iter().try_for_each(|effect| set(effect, &mut observer.parameters(), protocol))
+            };
+            TaskPlan::new(protocol, &shifts, &slopes, set)
+        };
+        let plans = self.with_trials(&protocol)?.iter().map(plan).collect::<Result<Vec<_>, _>>()?;
         let participants = in_order(&self.participants);
         let all = participants.iter().map(|people| u64::from(*people)).sum::<u64>() * u64::from(self.studies);
         let progress = progress(watcher, all * plans.len() as u64);
         let found = plans.iter().flat_map(|plan| plan.run(&participants, &sampling, &progress)).collect();
-        Ok(PlannedThresholds { protocol, observer, sampling, found })
+        let (observer, study) = (plans[0].observer().clone(), plans[0].study().clone());
+        Ok(PlannedTask { protocol, observer, sampling, found, study })
     }
 
     /// Returns the definition with each number of trials.
@@ -234,8 +232,10 @@ impl Plan {
             return Ok(vec![protocol.clone()]);
         }
         let with = |trials: u32| {
-            let set = |definition: &mut Definition| {
-                definition.adaptive.iter_mut().for_each(|adaptive| adaptive.common.trials = trials);
+            let set = |definition: &mut Definition| match (&mut definition.adaptive, &mut definition.task) {
+                (Some(adaptive), _) => adaptive.common.trials = trials,
+                (None, Task::Pair(pair)) if pair.pairs == Pairs::Adaptive => pair.trials = Some(trials),
+                _ => definition.design.repetitions = trials,
             };
             protocol.with(set).map_err(|errors| {
                 let message = errors.into_iter().next().map_or_else(String::new, |error| error.message);
@@ -277,7 +277,7 @@ impl Plan {
     fn given(&self) -> (Vec<Shift>, Vec<&Assignment>) {
         let shift = |effect: &Assignment| {
             let (factor, level) = effect.name.split_once(':')?;
-            Some(Shift { factor: factor.trim().to_owned(), level: level.trim().to_owned(), logits: effect.value })
+            Some(Shift { factor: factor.trim().to_owned(), level: level.trim().to_owned(), size: effect.value })
         };
         let parameters = self.effects.iter().filter(|effect| !effect.name.contains(':')).collect();
         (self.effects.iter().filter_map(shift).collect(), parameters)
@@ -298,8 +298,14 @@ fn progress(watcher: &dyn Watcher, all: u64) -> impl Fn(u64) + Sync {
     move |people| watcher.progress(done.fetch_add(people, Ordering::Relaxed) + people, all)
 }
 
+impl From<PlanError> for RequestError {
+    fn from(error: PlanError) -> Self {
+        refused(error)
+    }
+}
+
 /// Returns what is wrong with the request.
-pub(super) fn refused(error: PlanError) -> RequestError {
+fn refused(error: PlanError) -> RequestError {
     match &error {
         PlanError::Model(of_model) => analyze::refused(of_model).unwrap_or_else(|| RequestError::whole(&error)),
         PlanError::UnknownFactor { is_slope: true, .. } => RequestError::value("deviations", &error),
@@ -383,65 +389,53 @@ impl Planned {
     }
 }
 
-impl PlannedThresholds {
-    /// Returns the unit of thresholds.
+impl PlannedTask {
+    /// Returns the unit of differences and errors.
     pub fn unit(&self) -> &'static str {
-        let log = self.protocol.adaptive.as_ref().is_some_and(|adaptive| adaptive.common.log);
-        if log { "log10 units" } else { "units of the level" }
+        self.study.asked.estimand().unit()
     }
 
-    /// Returns what a precision is that of: `threshold of one person`, `depth 2 − 1`.
+    /// Returns what a precision is that of: `threshold of one person`, `orientation 90° − orientation 0°`.
     pub fn told(&self, quantity: &Quantity) -> String {
+        let name = self.study.asked.estimand().name;
         match *quantity {
-            Quantity::Person => "threshold of one person".to_owned(),
-            Quantity::Mean => "mean threshold".to_owned(),
+            Quantity::Person => format!("{name} of one person"),
+            Quantity::Mean => format!("mean {name}"),
             Quantity::Difference { condition, .. } => {
-                let (known, conditions) = (Some(self.protocol.stimulus.parameters()), self.protocol.conditions());
-                let (mut others, mut firsts) = (Vec::new(), Vec::new());
-                for (i, factor) in self.protocol.factors.iter().enumerate() {
-                    let [other, first] =
-                        [condition, 0].map(|condition| &factor.levels[conditions[condition].levels[i]]);
-                    if other != first {
-                        let level = |level: &ParameterValue| names::level(known, &factor.name, &level.to_string());
-                        others.push(format!("{} {}", names::factor(known, &factor.name), level(other)));
-                        firsts.push(level(first).to_string());
-                    }
-                }
-                format!("{} − {}", others.join(", "), firsts.join(", "))
+                let [other, first] = [condition, 0].map(|condition| self.study.name(condition));
+                format!("{other} − {first}")
             }
         }
     }
 
     /// Returns one row for each number of participants and of trials, and each quantity.
     pub fn table(&self) -> Table {
-        const TRUTH: &str =
-            "True difference, on the scale of the method: base-10 logarithms of the level if it is logarithmic.";
-        const HALF_WIDTH: &str = "Median of half the width of the 95 % interval, on the scale of the method.";
+        const TRUTH: &str = "True difference; base-10 logarithms if levels or settings are logarithmic.";
         const FALSE_ALARMS: &str = "Proportion of studies that find a difference that is not there.";
-        let truth = |found: &Precision| found.quantity.truth();
-        // One participant has no interval, which could exclude 0.
-        let tested = |found: &Precision| truth(found).filter(|_| found.half_width.is_some());
+        let truth = |found: &Precision| match found.quantity {
+            Quantity::Difference { truth, .. } => Some(truth),
+            _ => None,
+        };
         let share = |found: &Precision, is_true: bool| {
-            tested(found).filter(|_| found.quantity.differs() == is_true).map(|_| found.share().0)
+            found.tested().filter(|truth| (*truth != 0.0) == is_true).map(|_| found.share().0)
         };
         Rows::new(&self.found)
             .column("experiment", "Name of the definition.", |_| self.protocol.name.as_str())
             .column("participants", "Number of participants.", |found| found.participants)
-            .column("trials", "Number of trials of each condition.", |found| found.trials)
+            .column("trials", "Number of trials of each condition or pair.", |found| found.trials)
             .column("estimate", "What is estimated.", |found| self.told(&found.quantity))
             .column("truth", TRUTH, truth)
             .column("estimates", "Number of estimates in the simulated studies.", |found| found.studies)
             .column("found", "Number of studies that find the difference.", |found| {
-                tested(found).map(|_| found.found as f64)
+                found.tested().map(|_| found.found as f64)
             })
             .column("missing", "Number of estimates that are not possible or have no interval.", |found| found.missing)
             .column("power", "Proportion of studies that find the difference.", |found| share(found, true))
             .column("false_alarms", FALSE_ALARMS, |found| share(found, false))
-            .interval("ci", "the 95 % interval of this proportion", |found| tested(found).map(|_| found.share().1))
-            .column("half_width", HALF_WIDTH, |found| found.half_width)
-            .column("error", "Root mean square of estimate minus truth, on the scale of the method.", |found| {
-                found.error
-            })
+            .interval("ci", "the 95 % interval of this proportion", |found| found.tested().map(|_| found.share().1))
+            .column("half_width", "Median of half the width of the 95 % interval.", |found| found.half_width)
+            .column("error", "Root mean square of estimate minus truth.", |found| found.error)
+            .in_unit(self.unit(), 2)
             .column("seed", "Seed of the simulation.", |_| self.sampling.seed)
             .column("observer", "Simulated observer.", |_| self.observer.to_string())
             .table()

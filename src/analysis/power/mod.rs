@@ -18,8 +18,6 @@
 
 mod plan;
 mod scenario;
-mod thresholds;
 
 pub use plan::{Plan, Power, Sampling};
 pub use scenario::{Effect, Hypothesis, PlanError, Shift, Slope, Test};
-pub use thresholds::{Precision, Quantity, ThresholdObserver, ThresholdPlan};

@@ -20,7 +20,7 @@ use crate::{
             terms::{Term, Terms},
         },
     },
-    experiment::{Condition, OrderedLogit, Protocol},
+    experiment::{Condition, Factor, OrderedLogit, Protocol},
     text::names::expected_one_of,
 };
 
@@ -59,15 +59,16 @@ pub enum PlanError {
     NothingVaries,
 }
 
-/// An effect for which the observer has no parameter: the contribution of a level to the linear predictor.
+/// An effect for which the observer has no parameter: the contribution of a level to the linear predictor or, in a task
+/// other than a rating, to what is estimated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shift {
     /// A factor of the definition.
     pub factor: String,
     /// One of its levels.
     pub level: String,
-    /// Contribution in logits; positive values give higher ratings.
-    pub logits: f64,
+    /// Contribution, in logits for ratings; positive values give higher ratings.
+    pub size: f64,
 }
 
 /// How much people differ in the effect of a factor: each participant's predictor deviates at each of its levels by an
@@ -76,7 +77,7 @@ pub struct Shift {
 pub struct Slope {
     /// A factor of the definition.
     pub factor: String,
-    /// Standard deviation in logits.
+    /// Standard deviation, in logits for ratings.
     pub sd: f64,
 }
 
@@ -108,10 +109,10 @@ impl Scenario {
         shifts: &[Shift],
         slopes: &[Slope],
     ) -> Result<Self, PlanError> {
-        let shifts = shifts.iter().map(|shift| resolve(protocol, shift)).collect::<Result<Vec<_>, _>>()?;
+        let shifts = shifts.iter().map(|shift| shift.resolve(&protocol.factors)).collect::<Result<Vec<_>, _>>()?;
         let added = |condition: &Condition| -> f64 {
             let here = shifts.iter().filter(|(factor, level, _)| condition.levels[*factor] == *level);
-            here.map(|(_, _, logits)| logits).sum()
+            here.map(|(_, _, size)| size).sum()
         };
         let categories: Vec<String> = (0..=protocol.response.highest()).map(|rating| rating.to_string()).collect();
         let names: Vec<&str> = protocol.factors.iter().map(|factor| factor.name.as_str()).collect();
@@ -133,7 +134,7 @@ impl Scenario {
         let predictors = (0..outline.conditions.len() as u32).map(|condition| known[&names(condition)]).collect();
         let mut slopes = slopes.to_vec();
         for slope in &slopes {
-            factor_of(protocol, true, &slope.factor)?;
+            slope.resolve(&protocol.factors)?;
         }
         slopes.sort_by_key(|slope| protocol.factors.iter().position(|factor| factor.name == slope.factor));
         Ok(Self { outline, predictors, slopes, observer: observer.clone(), repetitions: protocol.design.repetitions })
@@ -200,26 +201,41 @@ fn generator(seed: u64, purpose: u8, study: u32, subject: u32) -> ChaCha8Rng {
 }
 
 /// Returns the index of the factor with this name, which a slope or an effect gave.
-pub(super) fn factor_of(protocol: &Protocol, is_slope: bool, name: &str) -> Result<usize, PlanError> {
-    (protocol.factors.iter().position(|factor| factor.name == name)).ok_or_else(|| PlanError::UnknownFactor {
+fn factor_of(factors: &[Factor], is_slope: bool, name: &str) -> Result<usize, PlanError> {
+    (factors.iter().position(|factor| factor.name == name)).ok_or_else(|| PlanError::UnknownFactor {
         is_slope,
         name: name.to_owned(),
-        known: protocol.factors.iter().map(|factor| factor.name.clone()).collect(),
+        known: factors.iter().map(|factor| factor.name.clone()).collect(),
     })
 }
 
-/// Returns the indices of a shift's factor and level, and its logits.
-pub(super) fn resolve(protocol: &Protocol, shift: &Shift) -> Result<(usize, usize, f64), PlanError> {
-    let factor = factor_of(protocol, false, &shift.factor)?;
-    let names: Vec<String> = protocol.factors[factor].levels.iter().map(ToString::to_string).collect();
-    let number = levels::number_of(&shift.level);
-    let same = |name: &String| *name == shift.level || (number.is_some() && levels::number_of(name) == number);
-    let level = names.iter().position(same).ok_or_else(|| PlanError::UnknownLevel {
-        factor: shift.factor.clone(),
-        level: shift.level.clone(),
-        known: names.clone(),
-    })?;
-    Ok((factor, level, shift.logits))
+impl Slope {
+    /// Returns the index of the factor.
+    ///
+    /// # Errors
+    /// There is no such factor.
+    pub fn resolve(&self, factors: &[Factor]) -> Result<usize, PlanError> {
+        factor_of(factors, true, &self.factor)
+    }
+}
+
+impl Shift {
+    /// Returns the indices of the factor and of its level, and the size.
+    ///
+    /// # Errors
+    /// There is no such factor or level.
+    pub fn resolve(&self, factors: &[Factor]) -> Result<(usize, usize, f64), PlanError> {
+        let factor = factor_of(factors, false, &self.factor)?;
+        let names: Vec<String> = factors[factor].levels.iter().map(ToString::to_string).collect();
+        let number = levels::number_of(&self.level);
+        let same = |name: &String| *name == self.level || (number.is_some() && levels::number_of(name) == number);
+        let level = names.iter().position(same).ok_or_else(|| PlanError::UnknownLevel {
+            factor: self.factor.clone(),
+            level: self.level.clone(),
+            known: names.clone(),
+        })?;
+        Ok((factor, level, self.size))
+    }
 }
 
 /// The kind of test of an effect.

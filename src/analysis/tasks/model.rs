@@ -45,6 +45,14 @@ impl Point {
     }
 }
 
+/// Returns the distance between the two levels with trials between which a threshold lies; 0 at a level, and NaN beyond
+/// the levels.
+pub(super) fn gap<'p>(points: impl Iterator<Item = &'p Point> + Clone, threshold: f64) -> f64 {
+    let levels = points.filter(|point| point.total > 0 && point.is_target()).map(|point| point.x);
+    let below = levels.clone().filter(|level| *level <= threshold).fold(f64::NAN, f64::max);
+    levels.filter(|level| *level >= threshold).fold(f64::NAN, f64::min) - below
+}
+
 /// γ, the probability of a correct answer, or of yes, at a level that cannot be seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Guess {

@@ -18,7 +18,7 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 use super::{
-    model::{Estimate, Model, Point, Posterior, Priors, ln_binomial},
+    model::{Estimate, Model, Point, Posterior, Priors, gap, ln_binomial},
     numeric::{curvature, highest},
 };
 use crate::statistics::{Interval, holm, mean_and_sd, t_quantile, t_two_sided};
@@ -36,7 +36,7 @@ pub struct Population {
     /// The lowest and the highest level: those of the model, or of all people's points.
     pub range: [f64; 2],
     /// What each person contributes to μ, which is the mean of the contributions, in the order of their answers: not
-    /// shrunken, so that contributions can be compared between conditions ([`differences`]). It is not an estimate
+    /// shrunken, so that contributions can be compared between conditions ([`Difference`]). It is not an estimate
     /// of the person's threshold where people have unequal numbers of trials.
     pub contributions: Vec<f64>,
     /// The logarithm of the likelihood, without binomial coefficients.
@@ -186,10 +186,7 @@ impl Answers<'_> {
     /// Returns whether the functions of all people rise between the same two levels. The likelihood is then flat about μ.
     fn rises_between_levels(&self, x: &[f64; 5]) -> bool {
         let at = self.marginal(x);
-        let levels = || self.people.iter().flatten().filter(|point| point.total > 0).map(|point| point.x);
-        let below = levels().filter(|level| *level <= at.threshold).fold(f64::NEG_INFINITY, f64::max);
-        let above = levels().filter(|level| *level >= at.threshold).fold(f64::INFINITY, f64::min);
-        (above - below).is_finite() && at.width < above - below
+        at.width < gap(self.people.iter().flatten(), at.threshold)
     }
 
     /// Returns the share of each person in what is known about μ: proportional to 1 / (τ² + s²), with s² the variance of
@@ -297,7 +294,7 @@ impl Mean {
     }
 }
 
-/// How the thresholds of two conditions differ.
+/// How two conditions differ.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference {
     /// The conditions.
@@ -309,21 +306,26 @@ pub struct Difference {
 }
 
 impl Difference {
+    /// Tests each pair of conditions for which several people have both.
+    pub fn of(pairs: impl Iterator<Item = ([usize; 2], Mean)>) -> Vec<Self> {
+        let of_pair = |(conditions, mean)| Self { conditions, mean, p: None };
+        let mut found: Vec<Self> = pairs.map(of_pair).filter(|difference| difference.mean.people > 1).collect();
+        let corrected = holm(&found.iter().map(|difference| difference.mean.p()).collect::<Vec<_>>());
+        found.iter_mut().zip(corrected).for_each(|(difference, p)| difference.p = p);
+        found
+    }
+
+    /// Compares every two conditions by the values of people: for thresholds, what they contribute to their means.
+    pub fn between(all: &[(usize, BTreeMap<usize, f64>)]) -> Vec<Self> {
+        let pairs = all.iter().enumerate().flat_map(|(i, one)| all[i + 1..].iter().map(move |two| (one, two)));
+        Self::of(pairs.map(|((one, first), (two, second))| {
+            let both = first.iter().filter_map(|(person, value)| Some(value - second.get(person)?));
+            ([*one, *two], Mean::new(&both.collect::<Vec<_>>()))
+        }))
+    }
+
     /// Returns whether the conditions clearly differ.
     pub fn is_clear(&self) -> bool {
         self.p.is_some_and(|p| p < 0.05)
     }
-}
-
-/// Compares every two conditions by what people contribute to their mean thresholds, if several people have both.
-pub fn differences(all: &[(usize, BTreeMap<usize, f64>)]) -> Vec<Difference> {
-    let pairs = all.iter().enumerate().flat_map(|(i, one)| all[i + 1..].iter().map(move |two| (one, two)));
-    let compared = pairs.map(|((one, first), (two, second))| {
-        let both = first.iter().filter_map(|(person, value)| Some(value - second.get(person)?));
-        Difference { conditions: [*one, *two], mean: Mean::new(&both.collect::<Vec<_>>()), p: None }
-    });
-    let mut found: Vec<Difference> = compared.filter(|difference| difference.mean.people > 1).collect();
-    let corrected = holm(&found.iter().map(|difference| difference.mean.p()).collect::<Vec<_>>());
-    found.iter_mut().zip(corrected).for_each(|(difference, p)| difference.p = p);
-    found
 }

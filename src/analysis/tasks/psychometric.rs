@@ -14,7 +14,7 @@ use rand_distr::{Binomial, Distribution as _};
 use serde::Serialize;
 
 pub use super::model::{Estimate, Guess, Model, Point};
-use super::model::{Posterior, THRESHOLD, WIDTH};
+use super::model::{Posterior, THRESHOLD, WIDTH, gap};
 use crate::{statistics::Interval, system::checkpoint};
 
 /// A fitted psychometric function.
@@ -30,8 +30,9 @@ pub struct Fit {
     pub slope: f64,
     /// Its 95 % interval.
     pub slope_interval: Interval,
-    /// The lowest and the highest level: those of the model, or of the points.
-    pub range: [f64; 2],
+    /// Whether the function rises within twice the distance of the two levels about the threshold, so that only the prior
+    /// limits its slope.
+    pub is_steep: bool,
 }
 
 /// How well a psychometric function fits.
@@ -74,7 +75,7 @@ pub fn fit(points: &[Point], model: &Model) -> Result<Fit, &'static str> {
         width: exp(masses.interval(WIDTH)),
         slope: model.slope_at_threshold(estimate.width, estimate.lapse, estimate.guess),
         slope_interval: if model.falls { slope.scaled(-1.0) } else { slope },
-        range: posterior.priors.range,
+        is_steep: estimate.width < 2.0 * gap(posterior.points.iter(), estimate.threshold),
     })
 }
 
@@ -85,9 +86,14 @@ impl Fit {
         Some(self.estimate.threshold).filter(|threshold| self.threshold.contains(*threshold))
     }
 
-    /// Returns the most probable slope; `None` if it lies outside its interval.
+    /// Returns the interval of the slope; `None` if the answers do not limit the slope.
+    pub fn determined_slopes(&self) -> Option<Interval> {
+        Some(self.slope_interval).filter(|_| !self.is_steep)
+    }
+
+    /// Returns the most probable slope; `None` without an interval, or if it lies outside.
     pub fn determined_slope(&self) -> Option<f64> {
-        Some(self.slope).filter(|slope| self.slope_interval.contains(*slope))
+        self.determined_slopes().filter(|interval| interval.contains(self.slope)).map(|_| self.slope)
     }
 }
 

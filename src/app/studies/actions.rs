@@ -147,8 +147,7 @@ impl Studies {
         let clicked = |ui: &mut Ui, enabled: bool, icon: Icon, text: &str, name: &str| {
             ui.add_enabled_ui(enabled, |ui| quiet(ui, icon, text, name).clicked()).inner
         };
-        let can_plan = protocol.task.is_default() || protocol.adaptive.is_some();
-        if clicked(ui, is_free && can_plan, Icon::People, "Plan…", "Plan…") {
+        if clicked(ui, is_free, Icon::People, "Plan…", "Plan…") {
             self.open = Some(Open::Request(Box::new(self.plan(protocol))));
         }
         if clicked(ui, has_sessions && is_free, Icon::Check, "Check", "Check") {
@@ -172,9 +171,9 @@ impl Studies {
             ("deviations", DEVIATIONS, String::new(), "FACTOR=SD"),
             ("studies", "Simulated studies", "200".to_owned(), ""),
         ];
-        shown.push(match &protocol.adaptive {
-            Some(adaptive) => ("trials", "Trials", adaptive.common.trials.to_string(), ""),
-            None => ("target", "Target power", String::new(), ""),
+        shown.push(match protocol.task.is_default() {
+            false => ("trials", "Trials", protocol.repetitions().to_string(), ""),
+            true => ("target", "Target power", String::new(), ""),
         });
         let given = [("experiment", self.form.experiment.clone())];
         RequestForm::new(["Plan", "Simulate"], about.to_owned(), &shown, &given, Job::plan)

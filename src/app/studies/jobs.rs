@@ -13,7 +13,6 @@ use anyhow::{anyhow, ensure};
 use eframe::egui::{Context, Ui};
 
 use crate::{
-    analysis::power::Precision,
     app::ui::{
         self,
         theme::{Icon, MESSAGE, ink},
@@ -23,7 +22,7 @@ use crate::{
     report::document::numbers::count,
     work::{
         Export, Watcher,
-        plan::{Found, Plan},
+        plan::{Found, Plan, Precision},
         simulate::{Simulate, simulate},
         verify::Verify,
     },
@@ -55,7 +54,7 @@ fn planned(found: &Found) -> Vec<String> {
             let fields = [EFFECTS, DEVIATIONS].map(|label| format!("“{label}”"));
             return planned.sentences(fields.each_ref().map(String::as_str));
         }
-        Found::Thresholds(planned) => planned,
+        Found::Task(planned) => planned,
     };
     let line = |one: &Precision| {
         let people = count(one.participants.into(), "participant");
@@ -65,7 +64,7 @@ fn planned(found: &Found) -> Vec<String> {
             (None, Some(error)) => format!(", error {error:.3}"),
             (None, None) => String::new(),
         };
-        let is_tested = one.half_width.is_some() && one.quantity.differs();
+        let is_tested = one.tested().is_some_and(|truth| truth != 0.0);
         let power = if is_tested { format!(", power {:.0}\u{a0}%", 100.0 * one.share().0) } else { String::new() };
         format!("{people}, {} trials: {}{precision}{power}", one.trials, planned.told(&one.quantity))
     };

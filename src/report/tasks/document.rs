@@ -1,25 +1,21 @@
 //! Describes the answers to a task in a document.
 
 use super::{
-    further,
     results::{PersonFunction, TaskResults},
-    study::{Asked, Levels, TaskStudy},
+    sections,
+    study::{Asked, Estimand, Levels, TaskStudy, scaled},
 };
 use crate::{
     analysis::tasks::{
-        population::Population,
-        psychometric::{Fit, Guess, Model},
+        population::Mean,
+        psychometric::{Guess, Model},
     },
-    experiment::task::{Common, Curve, Measures},
+    experiment::task::{Curve, Measures},
     report::{
-        document::{
-            Document, Section, Shown, TableOf, count, fixed, list, p_is, probability, range, short_list, unit, whole,
-            with_interval,
-        },
+        document::{Document, Section, TableOf, count, list, p_is, short_list, unit, whole, with_interval},
         figures::Figure,
         study::{Provenance, definition},
     },
-    statistics::Interval,
 };
 
 /// Describes a study; `provenance` says how to repeat the analysis.
@@ -30,8 +26,7 @@ pub fn document(
     provenance: Option<&Provenance>,
 ) -> Document {
     let mut sections = vec![summary(study, results), data(study, figures)];
-    sections.extend(thresholds(study, results, figures));
-    sections.extend(further::sections(study, results, figures));
+    sections.extend(sections::of_results(study, results, figures));
     sections.push(methods(study, results));
     sections.extend(provenance.map(|provenance| repeat(study, provenance)));
     let Asked { title, task, protocol, .. } = &study.asked;
@@ -40,11 +35,6 @@ pub fn document(
         None => format!("A {task}"),
     };
     Document { title: title.clone(), subtitle, sections }
-}
-
-/// Returns how a level is written whose interval, if any, is known.
-fn level(common: &Common, interval: Option<Interval>) -> impl Fn(f64) -> Shown {
-    further::scaled(common.log, interval)
 }
 
 fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
@@ -63,17 +53,44 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
     if !study.excluded.is_empty() {
         section.text(format!("Left out on request: {}.", list(&study.excluded)));
     }
-    section.list(further::summary(study, results));
-    let Some(Levels { common, range: [low, high], .. }) = &study.asked.levels else { return section };
-    let name = study.asked.factor(&common.parameter);
-    let sentence = |(condition, population): &(usize, Population)| {
-        let of = study.at(*condition);
-        let level = level(common, population.interval);
-        let interval = with_interval(population.interval, &level);
-        let who = count(population.contributions.len() as u64, "participant");
-        format!("The mean threshold of {name}{of} is {}{interval} across {who}.", level(population.function.threshold))
+    section.list(means(study, results));
+    section.list(results.comparisons.iter().flat_map(|found| sections::order(study, found)).collect());
+    if let Some(levels) = &study.asked.levels {
+        not_measured(&mut section, study, results, levels);
+    }
+    compared(&mut section, study, results);
+    section
+}
+
+/// Says what the mean of each condition is. Values of a scale mean something only beside each other.
+fn means(study: &TaskStudy, results: &TaskResults) -> Vec<String> {
+    let estimand = study.asked.estimand();
+    let guess = match (&study.asked.protocol, results.shares.is_empty()) {
+        (Some(protocol), false) => format!("; guessing gives {}", unit(protocol.task.guess())),
+        _ => String::new(),
     };
-    section.list(results.populations.iter().map(sentence).collect());
+    let of_condition = |condition: usize| {
+        let (at, found) = (study.at(condition), results.means.iter().find(|(of, _)| *of == condition));
+        let Some((_, Mean { mean, interval, people })) = found else {
+            return (!results.detection.is_empty() && study.asked.levels.is_none())
+                .then(|| format!("There is no d’{at}, because no participant had both targets and catch trials."));
+        };
+        let over = match *people {
+            1 => " for 1 participant".to_owned(),
+            people => format!(", averaged over {}", count(people as u64, "participant")),
+        };
+        let (format, Estimand { name, of, mean: prefix, .. }) = (estimand.format(*interval), &estimand);
+        let interval = with_interval(*interval, &format);
+        Some(format!("The {prefix}{name}{of}{at} is {}{interval}{over}{guess}.", format(*mean)))
+    };
+    let conditions = if results.comparisons.is_some() { 0 } else { study.asked.conditions.len() };
+    (0..conditions).filter_map(of_condition).collect()
+}
+
+/// Says which thresholds were not measured and, without means, what the threshold of each participant is.
+fn not_measured(section: &mut Section, study: &TaskStudy, results: &TaskResults, levels: &Levels) {
+    let Levels { common, range: [low, high], .. } = levels;
+    let name = study.asked.factor(&common.parameter);
     let beyond = format!("beyond the levels, {low} to {high}");
     for condition in &results.beyond {
         let of = study.at(*condition);
@@ -84,13 +101,13 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
     if results.populations.is_empty() && results.beyond.is_empty() {
         let of_person = |function: &PersonFunction| {
             let (who, of) = (&study.people[function.person], study.at(function.condition));
-            if let Err(error) = &function.fit {
+            if let Err(error) = &function.estimate {
                 return Some(format!("{who}: there is no threshold of {name}{of}: {error}."));
             }
             let fit = function.described()?;
-            let level = level(common, Some(fit.threshold));
+            let level = scaled(common.log, Some(fit.threshold));
             let interval = with_interval(Some(fit.threshold), &level);
-            let says_nothing = fit.range.iter().all(|end| fit.threshold.contains(*end));
+            let says_nothing = function.range.iter().all(|end| fit.threshold.contains(*end));
             let what = match function.threshold() {
                 None if function.is_beyond() && !says_nothing => {
                     format!("was not measured: the most probable one lies {beyond}")
@@ -102,21 +119,30 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
         };
         section.list(results.functions.iter().filter_map(of_person).collect());
     }
-    reversed(&mut section, study, results);
-    compared(&mut section, study, results, common);
-    section
+    reversed(section, study, results);
 }
 
-/// Says for each pair of conditions whether their thresholds clearly differ.
-fn compared(section: &mut Section, study: &TaskStudy, results: &TaskResults, common: &Common) {
-    let all = &results.differences;
+/// The most differences that each have a sentence.
+const MAX_TOLD: usize = 6;
+
+/// Says whether conditions clearly differ.
+fn compared(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
+    let (all, estimand) = (&results.differences, study.asked.estimand());
+    if all.len() > MAX_TOLD {
+        let clear = all.iter().filter(|difference| difference.is_clear()).count();
+        return section.text(format!(
+            "Of {} pairs of conditions, {clear} clearly differ (Holm-corrected p below .05).",
+            whole(all.len() as u64)
+        ));
+    }
     let corrected_by = if all.len() > 1 { ", Holm-corrected" } else { "" };
     for difference in all {
         let Some(interval) = difference.mean.interval else { continue };
-        let ([one, two], level) = (difference.conditions.map(|one| study.name(one)), level(common, Some(interval)));
-        let kind = if common.log { "ratio of the thresholds" } else { "difference of the thresholds" };
+        let ([one, two], level) = (difference.conditions.map(|one| study.name(one)), estimand.format(Some(interval)));
         section.text(format!(
-            "The {kind} at {one} and at {two} is {}{} over {}{}, {}.",
+            "The {} of the {} at {one} and at {two} is {}{} over {}{}, {}.",
+            if estimand.log { "ratio" } else { "difference" },
+            estimand.plural,
             level(difference.mean.mean),
             with_interval(Some(interval), &level),
             count(difference.mean.people as u64, "participant"),
@@ -145,52 +171,10 @@ fn data(study: &TaskStudy, figures: &[Figure]) -> Section {
     section
 }
 
-fn thresholds(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> Option<Section> {
-    let Levels { common, .. } = study.asked.levels.as_ref()?;
-    if results.functions.is_empty() {
-        return None;
-    }
-    let mut section = Section::new("thresholds", "Thresholds");
-    section.figures(figures, &["psychometric", "thresholds"]);
-    functions(&mut section, study, results, common);
-    doubts(&mut section, study, results);
-    let failed =
-        results.functions.iter().filter_map(|function| Some((of(study, function), function.fit.as_ref().err()?)));
-    section.list(failed.map(|(name, error)| format!("{name}: {error}")).collect());
-    Some(section)
-}
-
-/// Adds the psychometric function of each participant.
-fn functions(section: &mut Section, study: &TaskStudy, results: &TaskResults, common: &Common) {
-    let level = |own: &PersonFunction| level(common, own.described().map(|fit| fit.threshold));
-    let slope = |own: &PersonFunction| further::scaled(false, own.described().map(|fit| fit.slope_interval));
-    TableOf::new("The psychometric function of each participant", &results.functions)
-        .text("Participant", |own| &study.people[own.person])
-        .text("Condition", |own| study.name(own.condition))
-        .number("Trials", |own| whole(own.trials()))
-        .number("Threshold", |own| own.threshold().map_or_else(|| fixed(None, 0), level(own)))
-        .number("95\u{a0}% interval", |own| range(own.described().map(|fit| fit.threshold), level(own)))
-        .number("Slope", |own| {
-            own.described().and_then(Fit::determined_slope).map_or_else(|| fixed(None, 0), slope(own))
-        })
-        .number("95\u{a0}% interval of the slope", |own| {
-            range(own.described().map(|fit| fit.slope_interval), slope(own))
-        })
-        .number("Guess rate", |own| unit(own.described().map(|fit| fit.estimate.guess)))
-        .number("Lapse rate", |own| unit(own.described().map(|fit| fit.estimate.lapse)))
-        .number("p of the fit", |own| probability(own.goodness.map(|goodness| goodness.p)))
-        .add_to(section);
-}
-
-/// Names a participant, and the condition if there are several.
-fn of(study: &TaskStudy, function: &PersonFunction) -> String {
-    format!("{}{}", study.people[function.person], study.at(function.condition))
-}
-
 /// Says which functions mean nothing.
 fn reversed(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
     let odd = results.functions.iter().filter(|function| function.is_reversed);
-    let odd: Vec<String> = odd.map(|function| of(study, function)).collect();
+    let odd: Vec<String> = odd.map(|function| sections::of(study, function)).collect();
     if !odd.is_empty() {
         section.warning(format!(
             "According to the answers, the other end of the levels is easier, so these functions mean nothing and are left out (easier = \
@@ -198,22 +182,6 @@ fn reversed(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
             short_list(&odd, 12)
         ));
     }
-}
-
-/// Says what the answers do not determine.
-fn doubts(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
-    for (condition, _) in results.populations.iter().filter(|(_, population)| population.interval.is_none()) {
-        section.warning(format!(
-            "The mean threshold{} has no interval: the functions of all participants rise between the same two levels, or their thresholds \
-             are the same. It is not compared with others.",
-            study.at(*condition)
-        ));
-    }
-    section.note(
-        "A threshold or slope is left out if its most probable value lies outside its interval, or a threshold beyond the levels: the answers \
-         do not determine it. Where an interval reaches beyond the levels, only the prior limits it. If p of the fit is small, answers vary \
-         more than a psychometric function allows.",
-    );
 }
 
 fn methods(study: &TaskStudy, results: &TaskResults) -> Section {
@@ -230,13 +198,18 @@ fn methods(study: &TaskStudy, results: &TaskResults) -> Section {
         section.text(format!("Practice trials are left out, and the last attempt of a corrected trial counts.{how}"));
     }
     let levels = study.asked.levels.as_ref().filter(|_| !results.functions.is_empty());
-    let Some(Levels { model, .. }) = levels else { return section };
-    section.text(model_of_a_person(model));
-    if !results.populations.is_empty() {
-        section.text(MODEL_OVER_PEOPLE);
+    if let Some(Levels { model, .. }) = levels {
+        section.text(model_of_a_person(model));
+        if !results.populations.is_empty() {
+            section.text(MODEL_OVER_PEOPLE);
+        }
     }
     if !results.differences.is_empty() {
-        section.text(MODEL_OF_DIFFERENCES);
+        section.text(match (levels, &results.comparisons) {
+            (Some(_), _) => "Conditions are compared by the differences between the contributions of the participants who have both.",
+            (None, Some(_)) => "Conditions are compared by the differences between their values in the same studies as for the intervals.",
+            (None, None) => "Conditions are compared by the differences between the values of the participants who have both, by t tests.",
+        });
     }
     section
 }
@@ -246,10 +219,6 @@ const MODEL_OVER_PEOPLE: &str = "Each participant has a threshold of their own, 
      a mixed model whose likelihood is integrated numerically about the peak of each participant. The interval of the mean is the t \
      interval of what each participant contributes to it (Liang & Zeger 1986, Biometrika 73, 13), weighted by how informative the \
      participant’s trials are (Hartung & Knapp 2001, Stat. Med. 20, 3875).";
-
-/// How the thresholds of two conditions are compared.
-const MODEL_OF_DIFFERENCES: &str =
-    "Conditions are compared by the differences between the contributions of the participants who have both.";
 
 /// Says how the answers of one person in one condition are modeled.
 fn model_of_a_person(model: &Model) -> String {
@@ -272,9 +241,8 @@ fn model_of_a_person(model: &Model) -> String {
     format!(
         "The psychometric function is ψ(x) = γ + (1 − γ − λ)·F(x) with a {curve} F; {guess}. {varies} The threshold is the level with F = ½, \
          so that guesses and lapses do not move it{}. It is the most probable one under the priors of Schütt, Harmeling, Macke & Wichmann \
-         (2016, Vision Res. 122, 105), over the range of the levels{range}; its 95\u{a0}% interval lies between quantiles of 60,000 draws \
-         from the posterior distribution (Goodman & Weare 2010, Commun. Appl. Math. Comput. Sci. 5, 65). The goodness of fit compares the \
-         deviance with those of 1,000 simulated studies (Wichmann & Hill 2001, Percept. Psychophys. 63, 1293).",
+         (2016, Vision Res. 122, 105), over the range of the levels{range}; its 95\u{a0}% interval lies between quantiles of its \
+         marginal posterior distribution, which is integrated over a grid. The goodness of fit compares the deviance with those of 1,000 simulated studies (Wichmann & Hill 2001, Percept. Psychophys. 63, 1293).",
         match model.guess {
             Guess::Fixed(guess) if guess > 0.0 =>
                 format!(" (a proportion of {} correct answers without lapses)", unit((1.0 + guess) / 2.0)),

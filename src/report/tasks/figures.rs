@@ -1,8 +1,8 @@
 //! The charts of a task.
 
 use super::{
-    further::APART,
     results::{PersonFunction, TaskResults},
+    sections::APART,
     study::{Levels, TaskStudy},
 };
 use crate::{
@@ -110,15 +110,14 @@ fn scale(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
     let comparisons = results.comparisons.as_ref()?;
     let groups = comparisons.order();
     let order: Vec<usize> = groups.concat().into_iter().rev().collect();
-    let interval = |item: usize| comparisons.intervals.as_ref().map(|intervals| intervals[item]);
-    let value = |item: usize| (comparisons.scales[0].values[item], interval(item));
+    let value = |item: usize| (comparisons.scales[0].values[item], comparisons.interval(item));
     let series = |(number, group): (usize, &Vec<usize>)| {
         let values = order.iter().map(|item| group.contains(item).then(|| value(*item))).collect();
         (if groups.len() > 1 { format!("group {}", number + 1) } else { String::new() }, values)
     };
     let series: Vec<Estimates> = groups.iter().enumerate().map(series).collect();
     let places: Vec<String> = order.iter().map(|item| study.levels(*item).join(", ")).collect();
-    let bars = match comparisons.intervals {
+    let bars = match comparisons.drawn {
         Some(_) => "Bars are 95\u{a0}% intervals over participants",
         None => "There are no intervals, because too few participants determine a scale",
     };

@@ -2,14 +2,14 @@
 
 mod document;
 mod figures;
-mod further;
 mod results;
+mod sections;
 mod study;
 mod tables;
 
 pub use document::document;
 pub use figures::figures;
 pub use results::{Comparisons, Detected, OfPerson, PersonFunction, TaskResults};
-pub use study::{Asked, Given, Levels, TaskStudy};
-pub(crate) use study::{answers, task};
+pub(crate) use study::answers;
+pub use study::{Asked, Estimand, Given, Levels, TaskStudy};
 pub use tables::tables;

@@ -8,12 +8,12 @@ use rayon::prelude::*;
 use super::study::{Given, Levels, TaskStudy};
 use crate::{
     analysis::{
-        comparisons::{Scale, Scaling, Triads, Wins},
+        comparisons::{Drawn, Scale, Scaling, Triads, Wins},
         detection::{Answers, Detection},
         settings::Settings,
         tasks::{
-            population::{self, Difference, Population},
-            psychometric::{self, Fit, GoodnessOfFit, Guess, Model, Point},
+            population::{self, Difference, Mean, Population},
+            psychometric::{self, Estimate, Fit, GoodnessOfFit, Guess, Model, Point},
         },
     },
     experiment::task::{Common, Measures},
@@ -23,6 +23,12 @@ use crate::{
 /// The results of a task.
 #[derive(Clone, Debug, Default)]
 pub struct TaskResults {
+    /// What is estimated for each person in each condition; [`Asked::estimand`](super::Asked::estimand) says what that is.
+    pub own: Vec<OfPerson<f64>>,
+    /// Its mean over people in each condition.
+    pub means: Vec<(usize, Mean)>,
+    /// Differences between two conditions; none between more conditions than anyone would compare in pairs.
+    pub differences: Vec<Difference>,
     /// The psychometric functions of each person and condition.
     pub functions: Vec<PersonFunction>,
     /// The thresholds of people, by condition.
@@ -30,8 +36,6 @@ pub struct TaskResults {
     /// The conditions whose thresholds lie beyond the levels that could be shown, where only the prior places them: at least
     /// half of the people's, or their mean.
     pub beyond: Vec<usize>,
-    /// Differences between the thresholds of two conditions, of the people who have both.
-    pub differences: Vec<Difference>,
     /// The number of correct answers of each person and condition, and of all, if no levels were varied.
     pub shares: Vec<OfPerson<[u32; 2]>>,
     /// Hits and false alarms of each person and condition, with sensitivity and criterion.
@@ -64,8 +68,8 @@ pub struct Comparisons {
     pub people: Vec<Wins>,
     /// The scale of all people by Thurstone's Case V, and by the model of Bradley and Terry.
     pub scales: [Scale; 2],
-    /// The 95 % intervals of Thurstone's scale.
-    pub intervals: Option<Vec<Interval>>,
+    /// What other samples of people would give on Thurstone's scale, if these people say that.
+    pub drawn: Option<Drawn>,
     /// Each person's own scale by both models.
     pub own: Vec<Option<[Scale; 2]>>,
     /// Each person's contradictions.
@@ -79,6 +83,11 @@ impl Comparisons {
         groups.iter_mut().for_each(|group| group.sort_by(|a, b| values[*b].total_cmp(&values[*a])));
         groups
     }
+
+    /// Returns the 95 % interval of a value of Thurstone's scale.
+    pub fn interval(&self, item: usize) -> Option<Interval> {
+        self.drawn.as_ref()?.mean(item, None).interval
+    }
 }
 
 impl PersonFunction {
@@ -87,9 +96,14 @@ impl PersonFunction {
         self.points.iter().filter(|point| point.is_target())
     }
 
-    /// Returns the fitted function, if it means something.
+    /// Returns the most probable function, if it means something.
+    fn estimated(&self) -> Option<&Estimate> {
+        self.estimate.as_ref().ok().filter(|_| !self.is_reversed)
+    }
+
+    /// Returns the function with its intervals, if it means something.
     pub fn described(&self) -> Option<&Fit> {
-        self.fit.as_ref().ok().filter(|_| !self.is_reversed)
+        self.fit.as_ref().filter(|_| !self.is_reversed)
     }
 
     /// Returns the most probable threshold, if the answers determine one within the levels.
@@ -99,7 +113,7 @@ impl PersonFunction {
 
     /// Returns whether the most probable threshold lies beyond the levels.
     pub fn is_beyond(&self) -> bool {
-        self.described().is_some_and(|fit| is_beyond(fit.range, fit.estimate.threshold))
+        self.estimated().is_some_and(|estimate| is_beyond(self.range, estimate.threshold))
     }
 
     /// Returns the number of trials with a target.
@@ -117,42 +131,132 @@ pub struct PersonFunction {
     pub condition: usize,
     /// The answers at each level and, where they tell the guess rate, in catch trials.
     pub points: Vec<Point>,
-    /// The fitted function.
-    pub fit: Result<Fit, &'static str>,
+    /// The lowest and the highest level that could be shown or, in a table, that was.
+    pub range: [f64; 2],
+    /// The most probable function.
+    pub estimate: Result<Estimate, &'static str>,
+    /// That function with its intervals.
+    pub fit: Option<Fit>,
     /// How well it fits.
     pub goodness: Option<GoodnessOfFit>,
     /// Whether more answers count at the end of the levels that is said to be harder, so that the function means nothing.
     pub is_reversed: bool,
 }
 
-/// Number of simulated studies for the goodness of fit.
+/// Number of simulated studies for the goodness of fit and for intervals of a scale.
 const SIMULATIONS: usize = 1000;
+/// The most conditions of which every two are compared.
+const MAX_COMPARED: usize = 20;
 
 impl TaskResults {
     /// Analyzes a study. `seed` is that of simulated studies.
     pub fn of(study: &TaskStudy, seed: u64) -> Self {
+        let mut results = Self::estimated(study, SIMULATIONS, seed);
+        if let Some(Levels { model, .. }) = &study.asked.levels {
+            results.functions.par_iter_mut().enumerate().for_each(|(index, own)| {
+                let mut rng = ChaCha8Rng::seed_from_u64(seed);
+                rng.set_stream(index as u64);
+                own.fit = psychometric::fit(&own.points, model).ok();
+                own.goodness = psychometric::goodness_of_fit(&own.points, model, SIMULATIONS, &mut rng).ok();
+            });
+        }
+        results
+    }
+
+    /// Analyzes a study, except for the intervals and the fit of one person's function, which take the most time. `draws` is
+    /// the number of studies from which intervals of a scale come.
+    pub fn estimated(study: &TaskStudy, draws: usize, seed: u64) -> Self {
         let mut results = Self {
             shares: shares(study),
             detection: detection(study),
-            comparisons: comparisons(study, seed),
+            comparisons: comparisons(study, draws, seed),
             settings: settings(study),
             ..Self::default()
         };
         if let Some(Levels { common, model, .. }) = &study.asked.levels {
-            results.functions = functions(points(study, &results.detection, common, model), model, seed);
-            for (condition, population) in populations(study, &results.functions, model) {
-                let own = || sound(&results.functions, condition);
-                let are_beyond = 2 * own().filter(|function| function.is_beyond()).count() >= own().count();
-                if are_beyond || is_beyond(population.range, population.function.threshold) {
-                    results.beyond.push(condition);
-                } else {
-                    results.populations.push((condition, population));
-                }
-            }
-            results.differences = population::differences(&contributions(&results.populations, &results.functions));
+            results.functions = functions(points(study, &results.detection, common, model), model);
+            results.measure(populations(study, &results.functions, model));
+        }
+        results.own = results.of_each();
+        let ends = study.asked.estimand().ends;
+        let conditions = study.asked.conditions.len();
+        results.means =
+            (0..conditions).filter_map(|condition| Some((condition, results.mean(condition, ends)?))).collect();
+        if conditions <= MAX_COMPARED {
+            results.differences = results.compared();
         }
         results
     }
+
+    /// Keeps the populations whose thresholds were measured.
+    fn measure(&mut self, found: Vec<(usize, Population)>) {
+        for (condition, population) in found {
+            let own = || sound(&self.functions, condition);
+            let are_beyond = 2 * own().filter(|function| function.is_beyond()).count() >= own().count();
+            if are_beyond || is_beyond(population.range, population.function.threshold) {
+                self.beyond.push(condition);
+            } else {
+                self.populations.push((condition, population));
+            }
+        }
+    }
+
+    /// Returns what is estimated for each person: only one of these kinds is.
+    fn of_each(&self) -> Vec<OfPerson<f64>> {
+        let thresholds = self.functions.iter();
+        let thresholds = thresholds.filter_map(|own| Some((own.person, own.condition, own.estimated()?.threshold)));
+        let shares = self.shares.iter().map(|own| (own.person, own.condition, proportion(&own.found)));
+        let sensitivities = self.detection.iter();
+        let sensitivities = sensitivities.filter_map(|own| Some((own.person, own.condition, own.found.1?.d_prime)));
+        let settings = self.settings.iter().map(|own| (own.person, own.condition, own.found.mean));
+        let scales = self.comparisons.iter().flat_map(|found| found.own.iter().enumerate());
+        let scales = scales.filter_map(|(person, scales)| Some((person, &scales.as_ref()?[0].values)));
+        let scales =
+            scales.flat_map(|(person, values)| values.iter().enumerate().map(move |(i, value)| (person, i, *value)));
+        let all = thresholds.chain(shares).chain(sensitivities).chain(settings).chain(scales);
+        let all = all.map(|(person, condition, found)| OfPerson { person, condition, found });
+        all.filter(|own| !own.found.is_nan()).collect()
+    }
+
+    /// Returns the mean of a condition, which cannot lie outside `ends`.
+    fn mean(&self, condition: usize, ends: Option<[f64; 2]>) -> Option<Mean> {
+        if !self.functions.is_empty() {
+            let (_, population) = self.populations.iter().find(|(of, _)| *of == condition)?;
+            let Population { function, interval, contributions, .. } = population;
+            return Some(Mean { mean: function.threshold, interval: *interval, people: contributions.len() });
+        }
+        if let Some(Comparisons { scales: [scale, _], drawn, people, .. }) = &self.comparisons {
+            let alone = Mean { mean: scale.values[condition], interval: None, people: people.len() };
+            return Some(drawn.as_ref().map_or(alone, |drawn| drawn.mean(condition, None)));
+        }
+        let own: Vec<f64> = self.own.iter().filter(|own| own.condition == condition).map(|own| own.found).collect();
+        (!own.is_empty()).then(|| ends.map_or_else(|| Mean::new(&own), |ends| Mean::bounded(&own, ends)))
+    }
+
+    /// Compares every two conditions.
+    fn compared(&self) -> Vec<Difference> {
+        if let Some(Comparisons { scales, drawn, .. }) = &self.comparisons {
+            let pairs = scales[0].groups.iter().flat_map(|group| {
+                group.iter().enumerate().flat_map(|(place, i)| group[place + 1..].iter().map(|j| [*i, *j]))
+            });
+            return drawn
+                .as_ref()
+                .map_or_else(Vec::new, |drawn| Difference::of(pairs.map(|[i, j]| ([i, j], drawn.mean(i, Some(j))))));
+        }
+        if !self.functions.is_empty() {
+            return Difference::between(&contributions(&self.populations, &self.functions));
+        }
+        let mut values: BTreeMap<usize, BTreeMap<usize, f64>> = BTreeMap::new();
+        for own in &self.own {
+            values.entry(own.condition).or_default().insert(own.person, own.found);
+        }
+        Difference::between(&values.into_iter().collect::<Vec<_>>())
+    }
+}
+
+/// Returns the proportion of correct answers.
+pub(super) fn proportion([right, all]: &[u32; 2]) -> f64 {
+    f64::from(*right) / f64::from(*all)
 }
 
 /// Returns what follows from the answers of each person in each condition, in this order of both, if anything does.
@@ -180,7 +284,7 @@ fn detection(study: &TaskStudy) -> Vec<OfPerson<Detected>> {
     })
 }
 
-fn comparisons(study: &TaskStudy, seed: u64) -> Option<Comparisons> {
+fn comparisons(study: &TaskStudy, draws: usize, seed: u64) -> Option<Comparisons> {
     let items = study.asked.conditions.len();
     let mut people = vec![Wins::zeros(items, items); study.people.len()];
     for (person, [winner, loser]) in &study.compared {
@@ -189,10 +293,10 @@ fn comparisons(study: &TaskStudy, seed: u64) -> Option<Comparisons> {
     let all: Wins = people.iter().sum();
     let fit = |wins: &Wins| Some([Scaling::Thurstone.fit(wins)?, Scaling::BradleyTerry.fit(wins)?]);
     let scales = fit(&all)?;
-    let intervals = Scaling::Thurstone.intervals(&people, SIMULATIONS, &mut ChaCha8Rng::seed_from_u64(seed));
+    let drawn = Scaling::Thurstone.drawn(&people, draws, &mut ChaCha8Rng::seed_from_u64(seed));
     let own = people.iter().map(fit).collect();
     let triads = people.iter().map(Triads::of).collect();
-    Some(Comparisons { people, scales, intervals, own, triads })
+    Some(Comparisons { people, scales, drawn, own, triads })
 }
 
 fn settings(study: &TaskStudy) -> Vec<OfPerson<Settings>> {
@@ -230,16 +334,15 @@ fn points(
     all
 }
 
-fn functions(points: Vec<OfPerson<Vec<Point>>>, model: &Model, seed: u64) -> Vec<PersonFunction> {
-    let function = |(index, OfPerson { person, condition, found: points }): (usize, OfPerson<Vec<Point>>)| {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        rng.set_stream(index as u64);
-        let fit = psychometric::fit(&points, model);
-        let goodness = psychometric::goodness_of_fit(&points, model, SIMULATIONS, &mut rng).ok();
-        let is_reversed = is_reversed(&points, model);
-        PersonFunction { person, condition, points, fit, goodness, is_reversed }
+fn functions(points: Vec<OfPerson<Vec<Point>>>, model: &Model) -> Vec<PersonFunction> {
+    let function = |OfPerson { person, condition, found: points }: OfPerson<Vec<Point>>| {
+        let levels = || points.iter().filter(|point| point.is_target()).map(|point| point.x);
+        let ends = || [f64::min, f64::max].map(|end| levels().fold(f64::NAN, end));
+        let range = model.range.unwrap_or_else(ends);
+        let (estimate, is_reversed) = (psychometric::estimate(&points, model), is_reversed(&points, model));
+        PersonFunction { person, condition, range, estimate, fit: None, goodness: None, is_reversed, points }
     };
-    points.into_par_iter().enumerate().map(function).collect()
+    points.into_par_iter().map(function).collect()
 }
 
 /// Returns the functions in a condition that mean something.

@@ -10,9 +10,13 @@ use crate::{
     analysis::tasks::psychometric::Model,
     experiment::{
         Factor, Phase, Protocol, Replayed,
-        task::{Adaptive, Answer, Common, Dial, Measures, Second, Task},
+        task::{Adaptive, Answer, Common, Dial, Measures, Presentation, Second, Task},
     },
-    report::names,
+    report::{
+        document::{Shown, fixed, significant, unit},
+        names,
+    },
+    statistics::Interval,
     stimulus::{ParameterValue, Stimulus},
     store::{
         FileError, FileErrors, StoreError,
@@ -57,6 +61,57 @@ pub struct Levels {
     pub model: Model,
 }
 
+/// What a study estimates for each person in each condition.
+#[derive(Clone, Debug)]
+pub struct Estimand {
+    /// What it is, without its parameter: `threshold`.
+    pub name: &'static str,
+    /// Several of them.
+    pub plural: &'static str,
+    /// Of which parameter: ` of width`, or nothing.
+    pub of: String,
+    /// What comes before the name of its mean.
+    pub mean: &'static str,
+    /// Whether the values are base-10 logarithms.
+    pub log: bool,
+    /// The ends of its scale, if it has any.
+    pub ends: Option<[f64; 2]>,
+    /// How a value is written; `None` for a level or a setting.
+    format: Option<fn(f64) -> Shown>,
+}
+
+impl Estimand {
+    /// Returns how a value is written whose interval, if any, is known.
+    pub fn format(&self, interval: Option<Interval>) -> Box<dyn Fn(f64) -> Shown> {
+        self.format.map_or_else(|| Box::new(scaled(self.log, interval)) as _, |format| Box::new(format) as _)
+    }
+
+    /// Returns the unit of differences.
+    pub fn unit(&self) -> &'static str {
+        match (self.log, self.name) {
+            (true, _) => "log10 units",
+            (_, "threshold") => "units of the level",
+            (_, "setting") => "units of the parameter",
+            (_, "scale value") => "JND",
+            _ => "its own units",
+        }
+    }
+}
+
+/// Returns how a level or a setting is written, which is a logarithm if the method or the dial counts in ratios: with three
+/// significant digits, and more if its interval is narrow.
+pub(super) fn scaled(log: bool, interval: Option<Interval>) -> impl Fn(f64) -> Shown {
+    let of_scale = move |value: f64| if log { f64::powf(10.0, value) } else { value };
+    let width = interval.map(|interval| of_scale(interval.high) - of_scale(interval.low));
+    let width = width.filter(|width| *width > 0.0).unwrap_or(f64::INFINITY);
+    move |value| {
+        let value = of_scale(value);
+        // On a linear scale, a value near 0 is as large as its error.
+        let size = value.abs().max(if log || width.is_infinite() { 0.0 } else { width / 10.0 });
+        significant(value, size, width.min(size))
+    }
+}
+
 impl Asked {
     fn known(&self) -> names::Known {
         self.protocol.as_ref().map(|protocol| protocol.stimulus.parameters())
@@ -70,6 +125,54 @@ impl Asked {
     /// Returns whether participants rated on a slider.
     pub fn is_slider(&self) -> bool {
         self.dial.as_ref().is_some_and(|dial| dial.parameter.is_none())
+    }
+
+    /// Returns the conditions that a trial is about: two if it compares them, and otherwise one, with its level of the second
+    /// parameter. `planned` is the condition in the schedule.
+    pub fn places(&self, planned: usize, shown: &Presentation) -> Option<Vec<usize>> {
+        let protocol = self.protocol.as_ref()?;
+        if self.measures == Some(Measures::Comparisons) {
+            let conditions = protocol.conditions();
+            let of = |stimulus: &Stimulus| conditions.iter().position(|condition| condition.stimulus == *stimulus);
+            return shown.stimuli.iter().map(of).collect();
+        }
+        let Some(Second { parameter, levels, .. }) = protocol.adaptive.as_ref().and_then(Adaptive::second) else {
+            return Some(vec![planned]);
+        };
+        let own = shown.described().get(parameter);
+        let level = levels.iter().position(|level| own.as_ref() == Some(&(*level).into()));
+        // A catch trial has none of these levels, and says nothing about a function.
+        Some(vec![planned * levels.len() + level.or((shown.target == Some(0)).then_some(0))?])
+    }
+
+    /// Returns what is estimated for each person in each condition.
+    pub fn estimand(&self) -> Estimand {
+        let of = |parameter: &String| format!(" of {}", self.factor(parameter));
+        let plain =
+            Estimand { name: "", plural: "", of: String::new(), mean: "", log: false, ends: None, format: None };
+        match (&self.levels, &self.dial, self.measures) {
+            (Some(Levels { common, .. }), ..) => {
+                let (of, log) = (of(&common.parameter), common.log);
+                Estimand { name: "threshold", plural: "thresholds", of, mean: "mean ", log, ..plain }
+            }
+            (_, Some(Dial { parameter, log, range, .. }), _) => {
+                let (name, plural) = if self.is_slider() { ("rating", "ratings") } else { ("setting", "settings") };
+                let (of, mean) =
+                    (parameter.as_ref().map_or_else(String::new, of), if *log { "geometric mean " } else { "mean " });
+                let ends = Some(range.map(|end| if *log { end.log10() } else { end }));
+                Estimand { name, plural, of, mean, log: *log, ends, ..plain }
+            }
+            (.., Some(Measures::Proportions)) => {
+                let (name, plural, ends) = ("proportion of correct answers", "proportions", Some([0.0, 1.0]));
+                Estimand { name, plural, ends, format: Some(|share| unit(share)), ..plain }
+            }
+            (.., Some(Measures::Detection)) => {
+                Estimand {
+                    name: "sensitivity d’", plural: "sensitivities d’", format: Some(|d| fixed(d, 2)), ..plain
+                }
+            }
+            _ => Estimand { name: "scale value", plural: "scale values", format: Some(|jnd| fixed(jnd, 2)), ..plain },
+        }
     }
 
     /// Formats a level of a factor.
@@ -308,51 +411,32 @@ impl TaskStudy {
         // Later attempts replace earlier ones, because rows are in chronological order.
         let main = session.rows.iter().enumerate().filter(|(_, row)| row.phase == Phase::Main);
         let last: BTreeMap<u32, usize> = main.map(|(index, row)| (row.trial, index)).collect();
-        for index in last.into_values() {
-            self.take(session, index, person);
+        for Replayed { trial, shown, answer, .. } in last.into_values().filter_map(|index| session.replayed(index)) {
+            self.take(person, session.schedule.trials[*trial].condition, shown, answer);
         }
     }
 
-    /// Takes the answer of a row; `None` if there is none.
-    fn take(&mut self, session: &Recorded, index: usize, person: usize) -> Option<()> {
-        let protocol = &session.protocol;
-        let (task, Replayed { trial, shown, answer, .. }) = (&protocol.task, session.replayed(index)?);
-        let condition = session.schedule.trials[*trial].condition;
-        let seen = task.outcome(shown, answer);
-        match (task.measures(), answer) {
-            (Measures::Comparisons, _) => {
-                let [left, right] = shown.stimuli.as_slice() else { return None };
-                let of = |stimulus: &Stimulus| {
-                    protocol.conditions().iter().position(|condition| condition.stimulus == *stimulus)
-                };
-                let (left, right) = (of(left)?, of(right)?);
-                self.compared.push((person, if seen { [left, right] } else { [right, left] }));
+    /// Takes the answer to a main trial of a definition, for which the schedule planned a condition or a pair; `None` if
+    /// there is none.
+    pub fn take(&mut self, person: usize, planned: usize, shown: &Presentation, answer: &Answer) -> Option<()> {
+        let task = &self.asked.protocol.as_ref()?.task;
+        let (measures, seen) = (task.measures(), task.outcome(shown, answer));
+        let places = self.asked.places(planned, shown)?;
+        if let [left, right] = places[..] {
+            self.compared.push((person, if seen { [left, right] } else { [right, left] }));
+            return Some(());
+        }
+        let given = self.given.entry((places[0], person)).or_default();
+        match (measures, answer) {
+            (Measures::Proportions | Measures::Detection, _) if shown.target == Some(0) => {
+                given.catches = [given.catches[0] + u32::from(seen), given.catches[1] + 1];
             }
-            (Measures::Settings | Measures::Ratings, Answer::Value(value)) => {
-                let dial = task.dial();
-                let upper = |start: f64| dial.as_ref().is_some_and(|dial| dial.share(start) > 0.5);
-                let given = self.given.entry((condition, person)).or_default();
-                given.values.push((*value, shown.start.map(upper)));
+            (Measures::Proportions | Measures::Detection, _) => given.targets.push((shown.level, seen.into(), 1)),
+            (_, Answer::Value(value)) => {
+                let is_upper = |start: f64| self.asked.dial.as_ref().is_some_and(|dial| dial.share(start) > 0.5);
+                given.values.push((*value, shown.start.map(is_upper)));
             }
-            (Measures::Settings | Measures::Ratings, Answer::Key(_)) => return None,
-            (Measures::Proportions | Measures::Detection, _) => {
-                let is_catch = shown.target == Some(0);
-                let condition = match protocol.adaptive.as_ref().and_then(Adaptive::second) {
-                    None => condition,
-                    Some(Second { parameter, levels, .. }) => {
-                        let shown = shown.described().get(parameter);
-                        let level = levels.iter().position(|level| shown.as_ref() == Some(&(*level).into()));
-                        // A catch trial has none of these levels, and says nothing about a function.
-                        condition * levels.len() + level.or(is_catch.then_some(0))?
-                    }
-                };
-                let given = self.given.entry((condition, person)).or_default();
-                if is_catch {
-                    given.catches = [given.catches[0] + u32::from(seen), given.catches[1] + 1];
-                } else {
-                    given.targets.push((shown.level, seen.into(), 1));
-                }
-            }
+            (_, Answer::Key(_)) => return None,
         }
         Some(())
     }

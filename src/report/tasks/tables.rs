@@ -7,7 +7,10 @@ use super::{
 use crate::{
     analysis::{
         comparisons::Wins,
-        tasks::{population::Population, psychometric::Point},
+        tasks::{
+            population::{Difference, Population},
+            psychometric::Point,
+        },
     },
     experiment::task::Common,
     report::tables::Rows,
@@ -36,6 +39,9 @@ pub fn tables(study: &TaskStudy, results: &TaskResults) -> Vec<(&'static str, Ta
     }
     if !results.settings.is_empty() {
         all.push(("settings", settings(study, results)));
+    }
+    if !results.differences.is_empty() {
+        all.push(("differences", differences(study, results)));
     }
     all
 }
@@ -75,8 +81,8 @@ fn scaled(common: &Common, Interval { low, high }: Interval) -> Interval {
 fn thresholds(study: &TaskStudy, results: &TaskResults, common: &Common) -> Table {
     const THRESHOLD: &str = "Level with F = 1/2; empty if the most probable one lies outside the interval and, with the \
                              values up to `lapse`, if no function describes the answers.";
-    const SLOPE: &str = "Slope of the psychometric function at the threshold; empty if the most probable one lies outside the interval. Both are \
-                         too low if the function rises between two neighboring levels.";
+    const SLOPE: &str = "Slope of the psychometric function at the threshold; empty if the most probable one lies outside the interval and, \
+                         with its interval, if the function rises within twice the distance of two levels.";
     const OVERDISPERSION: &str = "By how much blocks of trials vary more than binomially, 0 to 1; 0 for single trials.";
     const BEYOND: &str = "1 if the most probable threshold lies beyond the levels, where only the prior places it.";
     with_levels(study, with_people(study, &results.functions, |own| own.person), |own| own.condition)
@@ -85,7 +91,7 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, common: &Common) -> Tabl
         .interval("threshold", "its 95 % interval", |own| Some(scaled(common, own.described()?.threshold)))
         .column("slope", SLOPE, |own| own.described()?.determined_slope())
         .in_unit("per unit of the scale of the levels", 1)
-        .interval("slope", "its 95 % interval", |own| Some(own.described()?.slope_interval))
+        .interval("slope", "its 95 % interval", |own| own.described()?.determined_slopes())
         .column("guess", "Guess rate.", |own| Some(own.described()?.estimate.guess))
         .column("lapse", "Lapse rate.", |own| Some(own.described()?.estimate.lapse))
         .column("overdispersion", OVERDISPERSION, |own| Some(own.described()?.estimate.overdispersion))
@@ -128,6 +134,32 @@ fn detection(study: &TaskStudy, results: &TaskResults) -> Table {
         .table()
 }
 
+/// Describes a column with the levels of a condition, and returns them.
+const LEVELS: &str = "Levels of the condition.";
+
+fn levels(study: &TaskStudy, condition: usize) -> String {
+    let levels = (0..study.asked.factors.len()).map(|factor| study.cell(condition, factor).to_string());
+    levels.collect::<Vec<_>>().join(", ")
+}
+
+fn differences(study: &TaskStudy, results: &TaskResults) -> Table {
+    let estimand = study.asked.estimand();
+    let scaled = |value: f64| if estimand.log { f64::powf(10.0, value) } else { value };
+    let what = if estimand.log { "Ratio of the first to the second." } else { "The first minus the second." };
+    let of_scale = |found: &Difference| {
+        let Interval { low, high } = found.mean.interval?;
+        Some(Interval { low: scaled(low), high: scaled(high) })
+    };
+    Rows::new(&results.differences)
+        .column("first", LEVELS, |found| levels(study, found.conditions[0]))
+        .column("second", LEVELS, |found| levels(study, found.conditions[1]))
+        .column("people", "Number of participants who have both.", |found| found.mean.people)
+        .column(if estimand.log { "ratio" } else { "difference" }, what, |found| scaled(found.mean.mean))
+        .interval("ci", "its 95 % interval", of_scale)
+        .column("p", "p of the t test, with Holm’s correction for all pairs.", |found| found.p)
+        .table()
+}
+
 /// Returns how often each person chose each condition over each other.
 fn comparisons(study: &TaskStudy, found: &Comparisons) -> Table {
     let of_person = |(person, wins): (usize, &Wins)| {
@@ -135,13 +167,9 @@ fn comparisons(study: &TaskStudy, found: &Comparisons) -> Table {
         pairs.map(|pair| (person, pair, wins[pair] as u64)).filter(|(.., count)| *count > 0).collect::<Vec<_>>()
     };
     let rows: Vec<(usize, (usize, usize), u64)> = found.people.iter().enumerate().flat_map(of_person).collect();
-    let levels = |condition: usize| {
-        let levels = (0..study.asked.factors.len()).map(|factor| study.cell(condition, factor).to_string());
-        levels.collect::<Vec<_>>().join(", ")
-    };
     with_people(study, &rows, |(person, ..)| *person)
-        .column("winner", "Levels of the condition.", |(_, (winner, _), _)| levels(*winner))
-        .column("loser", "Levels of the condition.", |(_, (_, loser), _)| levels(*loser))
+        .column("winner", LEVELS, |(_, (winner, _), _)| levels(study, *winner))
+        .column("loser", LEVELS, |(_, (_, loser), _)| levels(study, *loser))
         .column("count", "How often it was chosen over the other.", |(.., count)| *count)
         .table()
 }
@@ -163,7 +191,7 @@ fn scale(study: &TaskStudy, found: &Comparisons) -> Table {
             rows.extend((person.is_none() || group.is_some()).then_some((person, item, values, group)));
         }
     }
-    let interval = |(person, item, ..): &OfScale| Some(found.intervals.as_ref().filter(|_| person.is_none())?[*item]);
+    let interval = |(person, item, ..): &OfScale| found.interval(*item).filter(|_| person.is_none());
     with_levels(study, Rows::new(&rows), |(_, item, ..)| *item)
         .column("thurstone", THURSTONE, |(_, _, [value, _], _)| *value)
         .column("low", "Lower end of its 95 % interval over people.", |row| Some(interval(row)?.low))

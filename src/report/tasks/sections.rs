@@ -1,109 +1,26 @@
-//! Sections about detection, comparisons and settings.
+//! Sections about thresholds, detection, comparisons, settings and differences.
 
 use super::{
-    results::{Comparisons, OfPerson, TaskResults},
-    study::TaskStudy,
+    results::{Comparisons, OfPerson, PersonFunction, TaskResults, proportion},
+    study::{TaskStudy, scaled},
 };
 use crate::{
-    analysis::{comparisons::Scale, tasks::population::Mean},
-    experiment::task::{Dial, Measures},
+    analysis::{
+        comparisons::Scale,
+        tasks::{population::Difference, psychometric::Fit},
+    },
+    experiment::task::{Common, Dial},
     report::{
-        document::{Section, Shown, TableOf, count, fixed, range, significant, unit, whole, with_interval},
+        document::{Section, TableOf, fixed, probability, range, unit, whole},
         figures::Figure,
     },
-    statistics::Interval,
 };
-
-/// Returns the sentences of the summary.
-pub(super) fn summary(study: &TaskStudy, results: &TaskResults) -> Vec<String> {
-    let (two, guess) =
-        (|value: f64| fixed(value, 2), unit(study.asked.protocol.as_ref().and_then(|protocol| protocol.task.guess())));
-    let shares = means(study, &results.shares, Some([0.0, 1.0]), |own| Some(proportion(own)), |_| unit);
-    let of_share = |(at, mean)| format!("The proportion of correct answers{at} is {mean}; guessing gives {guess}.");
-    let mut all: Vec<String> = shares.into_iter().map(of_share).collect();
-    let sensitivity = means(study, &results.detection, None, |own| Some(own.1?.d_prime), |_| two).into_iter();
-    all.extend(sensitivity.map(|(at, mean)| format!("The sensitivity d’{at} is {mean}.")));
-    let has_none =
-        |condition: &usize| !results.detection.iter().any(|own| own.condition == *condition && own.found.1.is_some());
-    let is_wanted = study.asked.measures == Some(Measures::Detection) && study.asked.levels.is_none();
-    let without = (0..study.asked.conditions.len()).filter(|condition| is_wanted && has_none(condition));
-    all.extend(without.map(|condition| {
-        format!("There is no d’{}, because no participant had both targets and catch trials.", study.at(condition))
-    }));
-    all.extend(results.comparisons.iter().flat_map(|found| order(study, found)));
-    if let Some(dial) = study.asked.dial.as_ref() {
-        let format = |interval| scaled(dial.log, interval);
-        let (what, kind) = (set(study, dial), if dial.log { "geometric mean" } else { "mean" });
-        let settings = means(study, &results.settings, Some(scaled_ends(dial)), |own| Some(own.mean), format);
-        let of_setting = |(at, mean)| format!("The {kind} {what}{at} is {mean}.");
-        all.extend(settings.into_iter().map(of_setting));
-    }
-    all
-}
-
-/// Returns how a level or a setting is written, which is a logarithm if the method or the dial counts in ratios: with three
-/// significant digits, and more if its interval is narrow.
-pub(super) fn scaled(log: bool, interval: Option<Interval>) -> impl Fn(f64) -> Shown {
-    let of_scale = move |value: f64| if log { f64::powf(10.0, value) } else { value };
-    let width = interval.map(|interval| of_scale(interval.high) - of_scale(interval.low));
-    let width = width.filter(|width| *width > 0.0).unwrap_or(f64::INFINITY);
-    move |value| {
-        let value = of_scale(value);
-        // On a linear scale, a value near 0 is as large as its error.
-        let size = value.abs().max(if log || width.is_infinite() { 0.0 } else { width / 10.0 });
-        significant(value, size, width.min(size))
-    }
-}
-
-/// Averages one value of each person; `None` if there are none. No value can be outside `ends`, if there are any.
-fn over_people(values: &[f64], ends: Option<[f64; 2]>) -> Option<Mean> {
-    (!values.is_empty()).then(|| ends.map_or_else(|| Mean::new(values), |ends| Mean::bounded(values, ends)))
-}
-
-/// Returns ` at CONDITION`, and the mean over people of one value of each with its interval and their number.
-fn means<T, F: Fn(f64) -> Shown>(
-    study: &TaskStudy,
-    all: &[OfPerson<T>],
-    ends: Option<[f64; 2]>,
-    value: impl Fn(&T) -> Option<f64>,
-    format: impl Fn(Option<Interval>) -> F,
-) -> Vec<(String, String)> {
-    let of_condition = |condition: usize| {
-        let own = all.iter().filter(|own| own.condition == condition);
-        let found = over_people(&own.filter_map(|own| value(&own.found)).collect::<Vec<_>>(), ends)?;
-        let format = format(found.interval);
-        let over = match found.people {
-            1 => " for 1 participant".to_owned(),
-            people => format!(", averaged over {}", count(people as u64, "participant")),
-        };
-        let mean = format!("{}{}{over}", format(found.mean), with_interval(found.interval, &format));
-        Some((study.at(condition), mean))
-    };
-    (0..study.asked.conditions.len()).filter_map(of_condition).collect()
-}
-
-/// Returns the proportion of correct answers.
-fn proportion([right, all]: &[u32; 2]) -> f64 {
-    f64::from(*right) / f64::from(*all)
-}
-
-/// Returns the ends of a dial, on the scale on which it counts.
-fn scaled_ends(dial: &Dial) -> [f64; 2] {
-    dial.range.map(|end| if dial.log { end.log10() } else { end })
-}
-
-/// Names what participants set: `setting of nulling`, or `rating`.
-fn set(study: &TaskStudy, dial: &Dial) -> String {
-    dial.parameter
-        .as_ref()
-        .map_or_else(|| "rating".to_owned(), |name| format!("setting of {}", study.asked.factor(name)))
-}
 
 /// What groups of conditions mean that were never compared.
 pub(super) const APART: &str = "No comparison leads from one group of conditions to another, so each has a scale of its own, and their values cannot be compared.";
 
 /// Says which conditions are highest and lowest on the scale, and how far they are apart.
-fn order(study: &TaskStudy, found: &Comparisons) -> Vec<String> {
+pub(super) fn order(study: &TaskStudy, found: &Comparisons) -> Vec<String> {
     let (scale, order) = (&found.scales[0], found.order());
     let names =
         |items: &mut dyn Iterator<Item = usize>| items.map(|item| study.name(item)).collect::<Vec<_>>().join("; ");
@@ -115,8 +32,7 @@ fn order(study: &TaskStudy, found: &Comparisons) -> Vec<String> {
             format!(" The ends are {} JND apart.", fixed(scale.span(group), 1))
         };
         // Then all conditions may be alike.
-        let is_open = |intervals: &Vec<Interval>| group.iter().all(|item| intervals[*item].contains(0.0));
-        let may = match found.intervals.as_ref().is_some_and(is_open) {
+        let may = match group.iter().all(|item| found.interval(*item).is_some_and(|interval| interval.contains(0.0))) {
             true => " All intervals include 0, the mean of the scale, so this order may be chance.",
             false => "",
         };
@@ -143,15 +59,70 @@ fn order(study: &TaskStudy, found: &Comparisons) -> Vec<String> {
 }
 
 /// Returns the sections for which there are data.
-pub(super) fn sections(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> Vec<Section> {
+pub(super) fn of_results(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> Vec<Section> {
     let dial = study.asked.dial.as_ref().filter(|_| !results.settings.is_empty());
+    let levels = study.asked.levels.as_ref().filter(|_| !results.functions.is_empty());
     let all = [
+        levels.map(|levels| thresholds(study, results, figures, &levels.common)),
         (!results.shares.is_empty()).then(|| shares(study, results)),
         (!results.detection.is_empty()).then(|| detection(study, results)),
         results.comparisons.as_ref().map(|found| comparisons(study, found, figures)),
         dial.map(|dial| settings(study, results, dial)),
+        (!results.differences.is_empty()).then(|| differences(study, results)),
     ];
     all.into_iter().flatten().collect()
+}
+
+fn thresholds(study: &TaskStudy, results: &TaskResults, figures: &[Figure], common: &Common) -> Section {
+    let mut section = Section::new("thresholds", "Thresholds");
+    section.figures(figures, &["psychometric", "thresholds"]);
+    functions(&mut section, study, results, common);
+    doubts(&mut section, study, results);
+    let failed = |own: &PersonFunction| Some(format!("{}: {}", of(study, own), own.estimate.as_ref().err()?));
+    section.list(results.functions.iter().filter_map(failed).collect());
+    section
+}
+
+/// Adds the psychometric function of each participant.
+fn functions(section: &mut Section, study: &TaskStudy, results: &TaskResults, common: &Common) {
+    let level = |own: &PersonFunction| scaled(common.log, own.described().map(|fit| fit.threshold));
+    let slopes = |own: &PersonFunction| own.described().and_then(Fit::determined_slopes);
+    let slope = |own: &PersonFunction| scaled(false, slopes(own));
+    TableOf::new("The psychometric function of each participant", &results.functions)
+        .text("Participant", |own| &study.people[own.person])
+        .text("Condition", |own| study.name(own.condition))
+        .number("Trials", |own| whole(own.trials()))
+        .number("Threshold", |own| own.threshold().map_or_else(|| fixed(None, 0), level(own)))
+        .number("95\u{a0}% interval", |own| range(own.described().map(|fit| fit.threshold), level(own)))
+        .number("Slope", |own| {
+            own.described().and_then(Fit::determined_slope).map_or_else(|| fixed(None, 0), slope(own))
+        })
+        .number("95\u{a0}% interval of the slope", |own| range(slopes(own), slope(own)))
+        .number("Guess rate", |own| unit(own.described().map(|fit| fit.estimate.guess)))
+        .number("Lapse rate", |own| unit(own.described().map(|fit| fit.estimate.lapse)))
+        .number("p of the fit", |own| probability(own.goodness.map(|goodness| goodness.p)))
+        .add_to(section);
+}
+
+/// Names a participant, and the condition if there are several.
+pub(super) fn of(study: &TaskStudy, function: &PersonFunction) -> String {
+    format!("{}{}", study.people[function.person], study.at(function.condition))
+}
+
+/// Says what the answers do not determine.
+fn doubts(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
+    for (condition, _) in results.populations.iter().filter(|(_, population)| population.interval.is_none()) {
+        section.warning(format!(
+            "The mean threshold{} has no interval: the functions of all participants rise between the same two levels, or their thresholds \
+             are the same. It is not compared with others.",
+            study.at(*condition)
+        ));
+    }
+    section.note(
+        "A threshold or slope is left out if its most probable value lies outside its interval, or a threshold beyond the levels: the answers \
+         do not determine it. So is a slope if the function rises within twice the distance of two levels. Where an interval reaches beyond the levels, only the prior limits it. If p of the fit is small, answers vary \
+         more than a psychometric function allows.",
+    );
 }
 
 /// Begins a table of the participants and the conditions.
@@ -159,6 +130,21 @@ fn begun<'a, T>(study: &TaskStudy, caption: impl Into<String>, rows: &'a [OfPers
     TableOf::new(caption, rows)
         .text("Participant", |own| &study.people[own.person])
         .text("Condition", |own| study.name(own.condition))
+}
+
+fn differences(study: &TaskStudy, results: &TaskResults) -> Section {
+    let mut section = Section::new("differences", "Differences");
+    let estimand = study.asked.estimand();
+    let written = |found: &Difference| estimand.format(found.mean.interval);
+    TableOf::new("Differences between conditions", &results.differences)
+        .text("Condition", |found| study.name(found.conditions[0]))
+        .text("Compared with", |found| study.name(found.conditions[1]))
+        .number("Participants", |found| whole(found.mean.people as u64))
+        .number(if estimand.log { "Ratio" } else { "Difference" }, |found| written(found)(found.mean.mean))
+        .number("95\u{a0}% interval", |found| range(found.mean.interval, written(found)))
+        .number("p (Holm)", |found| probability(found.p))
+        .add_to(&mut section);
+    section
 }
 
 fn shares(study: &TaskStudy, results: &TaskResults) -> Section {
@@ -198,16 +184,15 @@ fn comparisons(study: &TaskStudy, found: &Comparisons, figures: &[Figure]) -> Se
     let [thurstone, bradley_terry] = &found.scales;
     let won = |item: usize| found.people.iter().map(|wins| wins.row(item).sum()).sum::<f64>();
     let lost = |item: usize| found.people.iter().map(|wins| wins.column(item).sum()).sum::<f64>();
-    let interval = |item: usize| found.intervals.as_ref().map(|intervals| intervals[item]);
     TableOf::new("Scale values in JND, highest first", &found.order().concat())
         .text("Condition", |item| study.name(*item))
         .number("Comparisons", |item| whole((won(*item) + lost(*item)) as u64))
         .number("Chosen", |item| whole(won(*item) as u64))
         .number("Thurstone", |item| fixed(thurstone.values[*item], 2))
-        .number("95 % interval", |item| range(interval(*item), |end| fixed(end, 2)))
+        .number("95 % interval", |item| range(found.interval(*item), |end| fixed(end, 2)))
         .number("Bradley–Terry", |item| fixed(bradley_terry.values[*item], 2))
         .add_to(&mut section);
-    section.text(if found.intervals.is_some() {
+    section.text(if found.drawn.is_some() {
         "Intervals are those of the mean of a population like this sample: their standard error comes from 1,000 studies whose people are \
          drawn with replacement, and their width from the t distribution. They are at least as wide as if one participant had made all \
          comparisons."
