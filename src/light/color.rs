@@ -179,3 +179,28 @@ pub fn cmy_from_rgb(rgb: [f64; 3]) -> [f64; 3] {
 pub fn rgb_from_cmyk([cyan, magenta, yellow, black]: [f64; 4]) -> [f64; 3] {
     cmy_from_rgb([cyan + black, magenta + black, yellow + black])
 }
+
+/// ȳ of the CIE 1931 observer from 380 to 780 nm in steps of 5 nm (CIE 15:2004, table T.4).
+const LUMINOUS_EFFICIENCY: [f64; 81] = [
+    3.9e-05, 6.4e-05, 0.00012, 0.000217, 0.000396, 0.00064, 0.00121, 0.00218, 0.004, 0.0073, 0.0116, 0.01684, 0.023,
+    0.0298, 0.038, 0.048, 0.06, 0.0739, 0.09098, 0.1126, 0.13902, 0.1693, 0.20802, 0.2586, 0.323, 0.4073, 0.503,
+    0.6082, 0.71, 0.7932, 0.862, 0.91485, 0.954, 0.9803, 0.99495, 1.0, 0.995, 0.9786, 0.952, 0.9154, 0.87, 0.8163,
+    0.757, 0.6949, 0.631, 0.5668, 0.503, 0.4412, 0.381, 0.321, 0.265, 0.217, 0.175, 0.1382, 0.107, 0.0816, 0.061,
+    0.04458, 0.032, 0.0232, 0.017, 0.01192, 0.00821, 0.005723, 0.004102, 0.002929, 0.002091, 0.001484, 0.001047,
+    0.00074, 0.00052, 0.0003611, 0.0002492, 0.0001719, 0.00012, 8.48e-05, 6e-05, 4.24e-05, 3e-05, 2.12e-05, 1.499e-05,
+];
+
+/// Returns the luminance in cd/m² of a spectrum of radiance in W/(sr·m²) per band, whose first band is at `start_nm` and whose
+/// bands are `step_nm` apart: 683 lm/W · Σ ȳ(λ)·P(λ).
+pub fn luminance_of_spectrum(spectrum: &[f64], start_nm: f64, step_nm: f64) -> f64 {
+    let efficiency = |nm: f64| {
+        let place = (nm - 380.0) / 5.0;
+        let (below, part) = (place.floor(), place.fract());
+        let at = |index: f64| {
+            if index < 0.0 { 0.0 } else { LUMINOUS_EFFICIENCY.get(index as usize).copied().unwrap_or(0.0) }
+        };
+        at(below) + part * (at(below + 1.0) - at(below))
+    };
+    let bands = (0_u32..).zip(spectrum).map(|(band, power)| power * efficiency(start_nm + f64::from(band) * step_nm));
+    683.0 * bands.sum::<f64>()
+}

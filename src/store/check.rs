@@ -72,13 +72,13 @@ pub fn check_large(name_or_path: impl AsRef<Path>, pixels: u64) -> Result<Checke
             Some("event") => format!("{} visual matches of a display", matches::open(path)?.len()).into(),
             _ => check_session(path)?,
         },
-        Some("ti3") => check_readings(path)?,
+        Some("ti3" | "mat") => check_readings(path)?,
         Some("png") => image::verify(path, pixels)?.into(),
         Some("toml") => check_toml(path, &name, &read_text(path)?)?,
         _ => return Err(match found(path) {
             Ok(Some(metadata)) if metadata.is_file() => FileErrors::whole(
                 path,
-                "is not a known type of file; expected a definition, display profile, observer or scene (.toml), a result file (.csv), readings (.csv, .ti3), or an image (.png)",
+                "is not a known type of file; expected a definition, display profile, observer or scene (.toml), a result file (.csv), readings (.csv, .ti3, .mat), or an image (.png)",
             ),
             _ => (definition::open(path).err())
                 .unwrap_or_else(|| FileErrors::whole(path, "cannot be checked; expected a .toml, .csv or .png file")),

@@ -25,6 +25,7 @@ pub mod export;
 mod file;
 pub mod image;
 pub mod manifest;
+mod mat;
 pub mod matches;
 pub mod mesh;
 pub mod observer;

@@ -1,5 +1,5 @@
 //! Photometer readings: CSV with the columns `channel,level,luminance_cd_m2`, or a file of another program: CGATS tables,
-//! which ArgyllCMS writes as `.ti3`, or the monitor files of PsychoPy.
+//! which ArgyllCMS writes as `.ti3`, the monitor files of PsychoPy, and the calibrations of Psychtoolbox.
 
 use std::{collections::HashSet, path::Path};
 
@@ -8,12 +8,16 @@ use serde_json::Value;
 use super::{
     FileError, FileErrors, StoreError, Writer,
     error::RowErrors,
-    file::{folder_of, read_text},
+    file::{folder_of, read_bytes, read_text},
+    mat::{self, Value as MatValue},
     table::{self, separator, with_point},
 };
-use crate::display::{
-    Channel,
-    photometer::{ErrorLocation, MIN_LEVELS, Reading, Readings},
+use crate::{
+    display::{
+        Channel,
+        photometer::{ErrorLocation, MIN_LEVELS, Reading, Readings},
+    },
+    light::color::luminance_of_spectrum,
 };
 
 /// The columns, in the order in which they are written. Additional columns are ignored when reading.
@@ -28,7 +32,12 @@ const MAX_READINGS: usize = 4000;
 /// Reports every error, with its line and column if it is in a cell. If a column has many values that are not possible, only
 /// the first ones are listed, followed by the number of others.
 pub fn open(path: &Path) -> Result<Readings, FileErrors> {
-    parse(&path.display().to_string(), &read_text(path)?)
+    let (file, bytes) = (path.display().to_string(), read_bytes(path, mat::MAX_BYTES, "a readable file")?);
+    if !mat::is_mat(&bytes) {
+        return parse(&file, &read_text(path)?);
+    }
+    let found = psychtoolbox(&bytes).map_err(|message| FileErrors::whole(&file, message))?;
+    complete(&file, found.into_iter().map(|reading| Row { reading, places: None }).collect(), Vec::new())
 }
 
 /// Parses the text of a readings file; `file` identifies it in messages.
@@ -36,14 +45,19 @@ pub fn open(path: &Path) -> Result<Readings, FileErrors> {
 /// # Errors
 /// The same errors as [`open()`].
 pub fn parse(file: &str, text: &str) -> Result<Readings, FileErrors> {
-    let (mut rows, unread) = match of_other_program(text) {
+    let (rows, unread) = match of_other_program(text) {
         Some(found) => {
             let found = found.map_err(|message| FileErrors::whole(file, message))?;
-            let row = |(reading, line)| Row { reading, places: [(line, 1); 3] };
+            let row = |(reading, line)| Row { reading, places: Some([(line, 1); 3]) };
             (found.into_iter().map(row).collect(), Vec::new())
         }
         None => rows(file, text)?,
     };
+    complete(file, rows, unread)
+}
+
+/// Checks all readings; `unread` are the errors in the rows that are not readings.
+fn complete(file: &str, mut rows: Vec<Row>, unread: Vec<FileError>) -> Result<Readings, FileErrors> {
     complete_black(&mut rows);
     let found = match Readings::new(rows.iter().map(|row| row.reading).collect()) {
         Ok(readings) if unread.is_empty() => return Ok(readings),
@@ -60,7 +74,10 @@ pub fn parse(file: &str, text: &str) -> Result<Readings, FileErrors> {
                 continue;
             }
         };
-        errors.add(None, Some(column), || FileError::at(file, rows[index].places[column], message));
+        errors.add(None, Some(column), || match rows[index].places {
+            Some(places) => FileError::at(file, places[column], message),
+            None => FileError::whole(file, message),
+        });
     }
     let mut all = [errors.finish(file, &COLUMNS), others].concat();
     all.sort_by_key(|error| (error.position.is_none(), error.position));
@@ -103,11 +120,11 @@ pub fn write(writer: &Writer, path: &Path, readings: &[Reading]) -> Result<(), S
     writer.write(path, text.as_bytes())
 }
 
-/// A reading, and the line and column of each of its cells in the order of [`COLUMNS`].
+/// A reading, and the line and column of each of its cells in the order of [`COLUMNS`], if it comes from text.
 #[derive(Clone)]
 struct Row {
     reading: Reading,
-    places: [(usize, usize); 3],
+    places: Option<[(usize, usize); 3]>,
 }
 
 /// Returns the rows that are readings, and the errors in the others.
@@ -131,7 +148,7 @@ fn rows(file: &str, text: &str) -> Result<(Vec<Row>, Vec<FileError>), FileErrors
         };
         let channel: Channel = cells[columns[0]].trim().parse().map_err(|error: String| (columns[0], error))?;
         let reading = Reading { channel, level: number(1)?, luminance_cd_m2: number(2)? };
-        Ok(Row { reading, places: columns.map(|column| row.place(column)) })
+        Ok(Row { reading, places: Some(columns.map(|column| row.place(column))) })
     })?;
     match rows.len() {
         0..=MAX_READINGS => Ok((rows, errors)),
@@ -153,6 +170,9 @@ fn of_other_program(text: &str) -> Option<Result<Vec<Found>, String>> {
     match text.split_whitespace().next()? {
         first if first.starts_with("CTI") || first.starts_with("CGATS") => Some(cgats(text)),
         first if first.starts_with('{') => Some(psychopy(text)),
+        _ if text.starts_with("# Created by Octave") => {
+            Some(Err("is a text file of Octave; expected one that was saved with save -v7".to_owned()))
+        }
         _ => None,
     }
 }
@@ -273,6 +293,56 @@ fn psychopy(text: &str) -> Result<Vec<Found>, String> {
         let reading =
             |(level, luminance_cd_m2): (&f64, f64)| Reading { channel, level: level / 255.0, luminance_cd_m2 };
         found.extend(levels.iter().zip(lums).map(reading).map(|reading| (reading, 1)));
+    }
+    Ok(found)
+}
+
+/// Reads the newest calibration in a file of Psychtoolbox: `cals`, or `cal` alone. The light of each primary is its spectrum
+/// `P_device`, in W/(sr·m²) per band, times its raw gamma table; what remains at black is `P_ambient`.
+fn psychtoolbox(bytes: &[u8]) -> Result<Vec<Reading>, String> {
+    let file = mat::variables(bytes)?;
+    let cal = match file.field("cals").or_else(|| file.field("cal")) {
+        Some(MatValue::List(all)) => all.last(),
+        one => one,
+    };
+    let cal = cal.ok_or("has no variable cals; expected a calibration of Psychtoolbox")?;
+    let lacking = |name: &str| format!("the calibration has no numbers {name}; expected those of Psychtoolbox");
+    let numbers = |of: Option<&MatValue>, name: &str| -> Result<Vec<f64>, String> {
+        of.and_then(|of| of.numbers(name))
+            .filter(|all| !all.is_empty())
+            .map(<[f64]>::to_vec)
+            .ok_or_else(|| lacking(name))
+    };
+    let raw = cal.field("rawdata").or_else(|| cal.field("rawData"));
+    let (inputs, table) = (numbers(raw, "rawGammaInput")?, numbers(raw, "rawGammaTable")?);
+    let (spectra, dark) = (numbers(Some(cal), "P_device")?, numbers(Some(cal), "P_ambient")?);
+    let [start_nm, step_nm, bands] = numbers(Some(cal), "S_device")?[..] else { return Err(lacking("S_device")) };
+    let (bands, width) = (bands as usize, cal.numbers("nDevices").map_or(3.0, |devices| devices[0]) as usize);
+    let channels = match width {
+        1 => &[Channel::Gray][..],
+        3 => &Channel::ALL[..3],
+        _ => return Err(format!("the calibration has {width} primaries; expected 3, or 1 for gray")),
+    };
+    // The table has the columns of the spectra: one for each primary, and behind them those of what changes in their shape.
+    let columns = spectra.len() / bands.max(1);
+    let rows = table.len() / columns.max(1);
+    let fits = [bands * columns == spectra.len(), rows * columns == table.len(), dark.len() == bands, columns >= width];
+    if fits.contains(&false) || ![rows, width * rows].contains(&inputs.len()) {
+        let names = "rawGammaInput, rawGammaTable, P_device, P_ambient and S_device";
+        return Err(format!("the sizes of {names} do not fit together; expected a calibration of Psychtoolbox"));
+    }
+    let light = |spectrum: &[f64]| luminance_of_spectrum(spectrum, start_nm, step_nm);
+    let black = light(&dark);
+    // Before 2006, levels were codes.
+    let full = if inputs.iter().any(|level| *level > 1.0) { 255.0 } else { 1.0 };
+    let mut found = Vec::new();
+    for (index, channel) in channels.iter().enumerate() {
+        let white = light(&spectra[index * bands..][..bands]);
+        let levels = if inputs.len() == rows { &inputs[..] } else { &inputs[index * rows..][..rows] };
+        let of = |(level, share): (&f64, &f64)| (level / full, black + white * share);
+        let read = levels.iter().zip(&table[index * rows..][..rows]).map(of).filter(|(level, _)| *level > 0.0);
+        let all = [(0.0, black)].into_iter().chain(read);
+        found.extend(all.map(|(level, luminance_cd_m2)| Reading { channel: *channel, level, luminance_cd_m2 }));
     }
     Ok(found)
 }

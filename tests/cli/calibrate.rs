@@ -168,3 +168,47 @@ fn readings_of_other_programs() {
         assert!(told.contains(expected), "{told}");
     }
 }
+
+/// A file that SciPy 1.16 wrote (`savemat`, compressed) with two calibrations as Psychtoolbox saves them. In the newest, the
+/// primaries have Gaussian spectra (610, 540 and 450 nm; σ 20, 25 and 15 nm; peaks .004, .005 and .003), the exponents 2.2,
+/// 2.1 and 2.3, and black is 10⁻⁶ in each of 101 bands. The luminances come from the CIE's table of 1 nm.
+#[test]
+fn calibrations_of_psychtoolbox() {
+    let whole = include_bytes!("../golden/psychtoolbox.mat");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("screen0.mat");
+    std::fs::write(&path, whole).unwrap();
+    let found = readings::open(&path).unwrap();
+    assert_eq!(found.all().len(), 3 * 17);
+    for (channel, half, full) in
+        [(Channel::Red, 3.80367, 17.47710), (Channel::Green, 10.22507, 43.83584), (Channel::Blue, 0.18028, 0.88778)]
+    {
+        for (level, expected) in [(0.0, 0.0), (0.5, half), (1.0, full)] {
+            let of = |one: &&Reading| one.channel == channel && one.level == level;
+            let read = found.all().iter().find(of).unwrap().luminance_cd_m2;
+            assert!((read / (expected + 0.018_246) - 1.0).abs() < 0.004, "{channel} {level}: {read}");
+        }
+    }
+    let printed = succeeds(folder.path(), &split("calibrate screen0.mat --out screen.toml"));
+    assert!(printed.contains("chosen: gamma"), "{printed}");
+    assert!(succeeds(folder.path(), &split("check screen0.mat")).contains("51 photometer readings"));
+
+    // Damage is an error: no panic, and no calibration from half a file.
+    for index in 0..whole.len() {
+        std::fs::write(&path, &whole[..index]).unwrap();
+        assert!(readings::open(&path).is_err(), "{index} bytes");
+        let mut changed = whole.to_vec();
+        changed[index] ^= 0x41;
+        std::fs::write(&path, changed).unwrap();
+        let _ = readings::open(&path);
+    }
+    for (content, expected) in [
+        (&b"MATLAB 7.3 MAT-file"[..], "expected one that was saved with save -v7"),
+        (b"# Created by Octave 8\n# name: cals\n", "expected one that was saved with save -v7"),
+        (&whole[..128], "has no variable cals"),
+    ] {
+        std::fs::write(&path, content).unwrap();
+        let told = readings::open(&path).unwrap_err().to_string();
+        assert!(told.contains(expected), "{told}");
+    }
+}

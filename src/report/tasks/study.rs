@@ -164,7 +164,7 @@ impl Asked {
             }
             (.., Some(Measures::Proportions)) => {
                 let (name, plural, ends) = ("proportion of correct answers", "proportions", Some([0.0, 1.0]));
-                Estimand { name, plural, ends, format: Some(|share| unit(share)), ..plain }
+                Estimand { name, plural, ends, format: Some(unit), ..plain }
             }
             (.., Some(Measures::Detection)) => {
                 Estimand {
