@@ -199,8 +199,8 @@ def analyze(
         with all their correlations (correlated).
     large
         Also analyze a study that is larger than usual: more than 10 factors, 120 levels of a factor, 5,000 conditions,
-        20,000 participants, 120 coefficients or 5 minutes of simulated studies, or names of more than 200 bytes. The
-        time grows with their square or cube.
+        20,000 participants or 120 coefficients, or names of more than 200 bytes. The time grows with their square or
+        cube.
     random
         Random intercept for each participant [default: subject if there are at least two participants].
     covariate

@@ -54,25 +54,22 @@ pub fn by_cell(counts: &Counts) -> Vec<Group> {
 
 /// Summarizes every combination of the levels of some factors, given by index.
 pub fn by_levels(counts: &Counts, factors: &[usize]) -> Vec<Group> {
-    of_combinations(counts, factors, true, |mean, _| Some(mean))
-}
-
-/// Returns what [`by_levels`] does, without intervals, if every participant's mean in each condition were that of `expected`;
-/// conditions without one are left out.
-pub fn by_levels_as(counts: &Counts, factors: &[usize], expected: &[Option<f64>]) -> Vec<Group> {
-    of_combinations(counts, factors, false, |_, condition| expected.get(condition as usize).copied().flatten())
-}
-
-/// Summarizes combinations of levels; `mean` returns what counts as the mean of a participant in a condition.
-fn of_combinations(
-    counts: &Counts,
-    factors: &[usize],
-    intervals: bool,
-    mean: impl Fn(f64, u32) -> Option<f64>,
-) -> Vec<Group> {
     let Combinations { all, of } = counts.combinations(factors);
     let name = |group: usize| counts.names(factors, &all[group]).into_iter().map(str::to_owned).collect();
-    groups(counts, all.len(), |_, condition| of[condition as usize], name, intervals, mean)
+    groups(counts, all.len(), |_, condition| of[condition as usize], name, true)
+}
+
+/// Returns the names and the means that [`by_levels`] would give if every participant's mean in each condition were that of
+/// `expected`; conditions without one are left out.
+pub fn means_as(counts: &Counts, factors: &[usize], expected: &[Option<f64>]) -> Vec<(Vec<String>, f64)> {
+    let Combinations { all, of } = counts.combinations(factors);
+    let placed = |_, condition, _| Some((of[condition as usize], expected.get(condition as usize).copied().flatten()?));
+    let means = of_groups(counts, all.len(), placed).into_iter().zip(&all).filter(|(means, _)| !means.is_empty());
+    let named = |(means, levels): (BTreeMap<u32, f64>, &Vec<Option<u32>>)| {
+        let names = counts.names(factors, levels).into_iter().map(str::to_owned).collect();
+        (names, means.values().sum::<f64>() / means.len() as f64)
+    };
+    means.map(named).collect()
 }
 
 /// Summarizes every level of a factor. Ratings without a level are left out.
@@ -83,7 +80,7 @@ pub fn by_factor(counts: &Counts, factor: usize) -> Vec<Group> {
 /// Summarizes every participant, without intervals.
 pub fn by_subject(counts: &Counts) -> Vec<Group> {
     let name = |group: usize| vec![counts.subjects[group].clone()];
-    groups(counts, counts.subjects.len(), |subject, _| subject as usize, name, false, |mean, _| Some(mean))
+    groups(counts, counts.subjects.len(), |subject, _| subject as usize, name, false)
 }
 
 /// Returns the mean rating of each participant in each condition that they rated: participant, condition and mean.
@@ -131,18 +128,13 @@ fn groups(
     group_of: impl Fn(u32, u32) -> usize,
     name: impl Fn(usize) -> Vec<String> + Sync,
     intervals: bool,
-    mean: impl Fn(f64, u32) -> Option<f64>,
 ) -> Vec<Group> {
     let values = category_values(counts);
     let mut tallies = vec![vec![0_u64; values.len()]; number];
     for row in &counts.rows {
-        if mean(0.0, row.condition).is_some() {
-            tallies[group_of(row.subject, row.condition)][row.rating as usize] += row.count;
-        }
+        tallies[group_of(row.subject, row.condition)][row.rating as usize] += row.count;
     }
-    let means = of_groups(counts, number, |subject, condition, own| {
-        Some((group_of(subject, condition), mean(own, condition)?))
-    });
+    let means = means_by_subject(counts, number, |subject, condition| Some(group_of(subject, condition)));
     let single = counts.subjects.len() == 1;
     (tallies.par_iter().zip(&means).enumerate())
         .filter(|(_, (tally, _))| tally.iter().any(|count| *count > 0))

@@ -390,7 +390,6 @@ pub fn model(results: &Results) -> Value {
             value["aic"] = json!(report.model.aic());
             value["sentences"] = json!(sentences);
             value["bic"] = json!(report.model.bic());
-            value["intraclass_correlation"] = json!(report.model.share_between());
             value["likelihood_ratio"] = json!(report.terms);
             value["interactions"] = json!(report.interactions);
             value["order"] = json!(report.order);

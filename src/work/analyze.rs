@@ -81,8 +81,7 @@ pub struct Model {
     #[arg(long, default_value_t, value_parser = one_of::<Slopes>(Slopes::NAMES))]
     pub slopes: Slopes,
     /// Also analyze a study that is larger than usual: more than 10 factors, 120 levels of a factor, 5,000 conditions,
-    /// 20,000 participants, 120 coefficients or 5 minutes of simulated studies, or names of more than 200 bytes. The
-    /// time grows with their square or cube.
+    /// 20,000 participants or 120 coefficients, or names of more than 200 bytes. The time grows with their square or cube.
     #[arg(long)]
     pub large: bool,
 }
@@ -389,9 +388,7 @@ pub(super) fn refused(error: &ModelError) -> Option<RequestError> {
         ModelError::UnknownFactor { .. } | ModelError::NotANumber { .. } | ModelError::InfiniteDepth { .. } => {
             Some(RequestError::value("terms", error))
         }
-        ModelError::TooManyCoefficients { .. } | ModelError::TooMuchWork { .. } => {
-            Some(RequestError::new("terms", error).unless("large"))
-        }
+        ModelError::TooManyCoefficients { .. } => Some(RequestError::new("terms", error).unless("large")),
         ModelError::Items { .. } => Some(RequestError::value("items", error)),
         ModelError::TooManySlopes { .. } => Some(RequestError::value("slopes", error)),
         _ => None,

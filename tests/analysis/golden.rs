@@ -89,50 +89,37 @@ fn fits(records: &[Record]) -> impl Iterator<Item = &[Record]> {
     records.chunk_by(move |l, r| key(l) == key(r))
 }
 
-/// Compares every value in a file, and checks that there are at least `fewest`.
-fn compare(file: &str, fewest: usize) {
-    let records = records(file);
-    let mut compared = 0;
-    for records in fits(&records) {
-        let first = &records[0];
-        let model = fit(&counts(&first["data"]), &spec(first)).unwrap();
-        let label = format!("{} {:?}", first["data"], spec(first));
-        let mut coefficients = 0;
-        for record in records.iter().filter(|record| record["quantity"] != "gradient") {
-            let expected: f64 = number(record, "value");
-            let quantity = record["quantity"].as_str();
-            let difference = (value(&model, quantity, &record["name"]) - expected).abs();
-            let most = match quantity {
-                "loglik" => 1e-5,
-                // The likelihood is flat in a small standard deviation.
-                "sd_se" => 1e-3 * (1.0 + expected.abs()),
-                _ => 1e-4,
-            };
-            assert!(difference < most, "{label}: {quantity} {} differs by {difference:e}", record["name"]);
-            coefficients += usize::from(quantity == "coefficient");
-            compared += 1;
+/// Compares every value of three files: `slopes.csv` has random slopes for factors, numbers and both, independent and correlated,
+/// and items crossed with participants; `binary` is from `lme4`.
+#[test]
+fn estimates_errors_and_likelihoods_match_other_programs() {
+    for (file, fewest) in [("models.csv", 370), ("slopes.csv", 320), ("statsmodels.csv", 60)] {
+        let records = records(file);
+        let mut compared = 0;
+        for records in fits(&records) {
+            let first = &records[0];
+            let model = fit(&counts(&first["data"]), &spec(first)).unwrap();
+            let label = format!("{} {:?}", first["data"], spec(first));
+            let mut coefficients = 0;
+            for record in records.iter().filter(|record| record["quantity"] != "gradient") {
+                let expected: f64 = number(record, "value");
+                let quantity = record["quantity"].as_str();
+                let difference = (value(&model, quantity, &record["name"]) - expected).abs();
+                let most = match quantity {
+                    "loglik" => 1e-5,
+                    // The likelihood is flat in a small standard deviation.
+                    "sd_se" => 1e-3 * (1.0 + expected.abs()),
+                    _ => 1e-4,
+                };
+                assert!(difference < most, "{label}: {quantity} {} differs by {difference:e}", record["name"]);
+                coefficients += usize::from(quantity == "coefficient");
+                compared += 1;
+            }
+            assert!(model.gradient < 1e-6, "{label}");
+            assert_eq!(coefficients, model.coefficients.len(), "{label}: {:?}", model.coefficients);
         }
-        assert!(model.gradient < 1e-6, "{label}");
-        assert_eq!(coefficients, model.coefficients.len(), "{label}: {:?}", model.coefficients);
+        assert!(compared >= fewest, "only {compared} values of {file}");
     }
-    assert!(compared >= fewest, "only {compared} values");
-}
-
-#[test]
-fn estimates_errors_and_likelihoods_match_r() {
-    compare("models.csv", 370);
-}
-
-/// Random slopes for factors, numbers and both, independent and correlated, and items crossed with participants; `binary` is
-/// from `lme4`.
-#[test]
-fn random_slopes_match_r() {
-    compare("slopes.csv", 320);
-}
-
-#[test]
-fn estimates_errors_and_likelihoods_match_statsmodels() {
-    compare("statsmodels.csv", 60);
 }
 
 /// `log(pnorm(-10) - pnorm(-11))` of R 4.2.2, and log(F(800) − F(799)) = −799 + log(1 − 1/e) of the logistic F.

@@ -137,47 +137,11 @@ fn a_falling_curve_is_the_mirror_image() {
     }
 }
 
-/// A threshold and a width from the priors of psignifit for levels from −3 to 3 at distances of 1.
-fn from_priors(guess: Guess, rng: &mut ChaCha8Rng) -> Estimate {
-    let mut draw = |low: f64, high: f64, density: &dyn Fn(f64) -> f64| {
-        loop {
-            let x = rng.random_range(low..high);
-            if rng.random::<f64>() < density(x) {
-                return x;
-            }
-        }
-    };
-    let fall = |share: f64| (1.0 + (std::f64::consts::PI * share.clamp(0.0, 1.0)).cos()) / 2.0;
-    let threshold = draw(-6.0, 6.0, &|x| fall((x.abs() - 3.0) / 3.0));
-    let width = draw(1.0, 18.0, &|x| if x < 2.0 { fall(2.0 - x) } else { fall((x - 6.0) / 12.0) });
-    let mut share = || Beta::new(1.0, 10.0).unwrap().sample(rng);
-    let [lapse, free, overdispersion] = [share(), share(), share()];
-    let guess = if let Guess::Fixed(guess) = guess { guess } else { free };
-    Estimate { threshold, width, lapse: lapse.min(0.49), guess: guess.min(0.5), overdispersion }
-}
-
 /// Counts, for each of several checks, the studies that pass it; each study has its own random numbers.
 fn passed<const N: usize>(studies: u64, study: impl Fn(&mut ChaCha8Rng) -> [bool; N] + Sync) -> [usize; N] {
     let one = |seed: u64| study(&mut ChaCha8Rng::seed_from_u64(seed)).map(usize::from);
     let sum = |l: [usize; N], r: [usize; N]| std::array::from_fn(|i| l[i] + r[i]);
     (0..studies).into_par_iter().map(one).reduce(|| [0; N], sum)
-}
-
-#[test]
-fn intervals_cover_parameters_from_the_priors() {
-    for guess in [Guess::Fixed(0.5), Guess::Free] {
-        let model = Model { guess, ..MODEL };
-        let covered = passed(300, |rng| {
-            let truth = from_priors(guess, rng);
-            let fit = fit(&study(&model, &truth, 7, 20, rng), &model).unwrap();
-            let function = model.parameters(&truth);
-            let [below, above] = [-1e-4, 1e-4].map(|by| model.curve.probability(truth.threshold + by, &function));
-            let pairs = [(fit.threshold, truth.threshold), (fit.width, truth.width)];
-            let [threshold, width] = pairs.map(|(interval, value)| contains(interval, value));
-            [threshold, width, contains(fit.slope_interval, (above - below) / 2e-4)]
-        });
-        covered.into_iter().for_each(|covered| assert_covers(covered, 300));
-    }
 }
 
 /// Single trials at many levels, as adaptive procedures give them, and studies that say nothing.

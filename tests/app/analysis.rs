@@ -192,7 +192,7 @@ fn the_window_shows_the_document_and_follows_the_settings() {
     for (terms, expected) in [
         ("width,nothing", "There is no factor nothing. Enter some of width, depth."),
         ("width,,depth", "an empty name"),
-        ("num:width", "Participants also differ in the effects of width"),
+        ("num:width", "Participants may also differ in the effects of width"),
     ] {
         enter_terms(&mut window, terms);
         assert_has(&window, expected);

@@ -234,11 +234,6 @@ fn cases() -> Vec<Case> {
         ),
         case("people.csv", &ratings(60_000, 30_000, 1, 2, 4), "ANALYZE => the number of participants is | COUNTS"),
         case(
-            "terms.csv",
-            &ratings(4_800, 8, 5, 20, 4),
-            "ANALYZE => minutes of one processor; expected at most 5: use num:FACTOR",
-        ),
-        case(
             "times.csv",
             &ratings(4_800, 8, 2, 3, 400),
             "ANALYZE --response rating => the number of different values is 255 or more; expected | \

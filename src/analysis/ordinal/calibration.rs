@@ -6,16 +6,15 @@ use serde::Serialize;
 
 use super::{
     checks::{self, Checks, Order, order},
-    design::coefficients,
     estimates::{self, Prediction, predictions},
     fitting::{Fitted, fit_counts},
     interactions::{Interaction, interactions},
-    likelihood_ratios::{TermTest, Withheld, quantile, without_terms},
+    likelihood_ratios::{TermTest, Withheld, quantile, recoded, without_terms},
     margins::{self, Comparison, Margin},
-    model::{MAX_COEFFICIENTS, Model, ModelError, ModelSpec, Random},
+    model::{Model, ModelError, ModelSpec},
     profile::{self, chi_squared_limit},
     resampling::{Resampling, simulate},
-    terms::{Term, Variable},
+    terms::Term,
 };
 use crate::{
     analysis::{
@@ -34,11 +33,6 @@ const MAX_PROFILES: usize = 60;
 /// Number of ratings for each parameter of the wider model from which the ratio of a test without random effects has a χ²
 /// distribution.
 const MANY_PER_PARAMETER: u64 = 50;
-/// Number of simulated studies after which most tests are decided.
-const USUAL_DRAWS: u32 = 199;
-/// Maximum time of the simulated studies, minutes of one processor, unless the user allows more. Five factors with ten
-/// levels each, 8 participants and 600 ratings of each take 4.
-const MAX_MINUTES: u64 = 5;
 
 /// A model with its tests.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -66,15 +60,15 @@ pub struct ModelReport {
 /// Returns the same errors as [`fit`](super::fit).
 pub fn fit_with_tests(counts: &Counts, spec: &ModelSpec) -> Result<ModelReport, ModelError> {
     let full = fit_counts(counts, spec, true)?;
-    let mut report = report_with_tests(&full)?;
+    let mut report = report_with_tests(&full, recoded(&full, false).as_ref())?;
     report.comparisons = margins::comparisons(&full, &report.model, &usual_limits(&full), &report.terms);
     Ok(report)
 }
 
-fn report_with_tests(full: &Fitted) -> Result<ModelReport, ModelError> {
+fn report_with_tests(full: &Fitted, recoded: Option<&Fitted>) -> Result<ModelReport, ModelError> {
     let model = estimates::report(full);
     Ok(ModelReport {
-        terms: without_terms(full)?,
+        terms: without_terms(full, recoded)?,
         interactions: Vec::new(),
         predictions: predictions(full, &model),
         margins: margins::margins(full, &model),
@@ -108,19 +102,15 @@ pub struct Calibration<'a> {
 /// Fits a model and computes its tests, intervals and predictions.
 ///
 /// # Errors
-/// Returns the same errors as [`fit`](super::fit); [`ModelError::TooMuchWork`].
+/// Returns the same errors as [`fit`](super::fit).
 pub fn fit_calibrated(
     counts: &Counts,
     spec: &ModelSpec,
     calibration: &Calibration<'_>,
 ) -> Result<ModelReport, ModelError> {
-    let (frame, _) = Frame::new(counts, spec)?;
-    let minutes = minutes(&frame, spec, calibration.resampling.draws);
-    if minutes > MAX_MINUTES && spec.max_coefficients <= MAX_COEFFICIENTS {
-        return Err(ModelError::TooMuchWork { minutes, most: MAX_MINUTES });
-    }
     let full = fit_counts(counts, spec, true)?;
-    let mut report = report_with_tests(&full)?;
+    let recoded = recoded(&full, true);
+    let mut report = report_with_tests(&full, recoded.as_ref())?;
     for (test, term) in report.terms.iter_mut().zip(full.spec.terms.iter()) {
         // A distribution that is not accurate even if it is simulated.
         if let Some(reason) = full.withheld(term) {
@@ -128,17 +118,11 @@ pub fn fit_calibrated(
         }
     }
     let mut limits = usual_limits(&full);
-    calibrate_tests(&full, &mut report.terms, &mut limits, calibration);
-    let terms: Vec<&Term> = full.spec.terms.iter().collect();
-    for place in (0..terms.len()).rev() {
-        limits[place] = match report.terms[place].withheld {
-            // Its coefficients are effects in the larger term.
-            Some(Withheld::EmptyCells) => {
-                let larger = (place + 1..terms.len()).find(|&other| terms[other].contains(terms[place]));
-                larger.map_or(limits[place], |larger| limits[larger])
-            }
-            reason => reason.map_or(limits[place], Err),
-        };
+    calibrate_tests((&full, recoded.as_ref()), &mut report.terms, &mut limits, calibration);
+    for (limit, test) in limits.iter_mut().zip(&report.terms) {
+        // Where a mean effect has no test, the coefficients of the term are effects in the larger one.
+        let reason = test.withheld.filter(|reason| *reason != Withheld::EmptyCells);
+        *limit = reason.map_or(*limit, Err);
     }
     report.interactions = interactions(&full, calibration.resampling);
     report.order = order(&full, calibration.trials, calibration.resampling.seed);
@@ -161,7 +145,12 @@ pub fn fit_calibrated(
 
 /// Replaces the probabilities of the tests of terms by simulated ones, and the limits of the profiles, where they are
 /// simulated.
-fn calibrate_tests(full: &Fitted, tests: &mut [TermTest], limits: &mut Limits, calibration: &Calibration<'_>) {
+fn calibrate_tests(
+    (full, recoded): (&Fitted, Option<&Fitted>),
+    tests: &mut [TermTest],
+    limits: &mut Limits,
+    calibration: &Calibration<'_>,
+) {
     let terms: Vec<&Term> = full.spec.terms.iter().collect();
     let is_uncertain = |test: &TermTest| {
         let parameters = full.frame.categories.len() - 1 + full.rank() + test.df;
@@ -183,7 +172,7 @@ fn calibrate_tests(full: &Fitted, tests: &mut [TermTest], limits: &mut Limits, c
         (calibration.progress)(done, settings.draws as usize);
     };
     let tested: Vec<(&Term, f64)> = places.iter().map(|&(place, lr)| (terms[place], lr)).collect();
-    let simulated = simulate(full, &tested, settings, &progress);
+    let simulated = simulate(full, recoded, &tested, settings, &progress);
     // If the ratings are separated, those of the simulated studies are too, and their ratios are too small.
     let is_separated = full.infinite().next().is_some();
     for ((place, _), ratios) in places.into_iter().zip(simulated) {
@@ -201,19 +190,6 @@ fn calibrate_tests(full: &Fitted, tests: &mut [TermTest], limits: &mut Limits, c
     }
 }
 
-/// Returns about how many minutes of one processor the simulated studies take.
-fn minutes(frame: &Frame, spec: &ModelSpec, draws: u32) -> u64 {
-    /// Time for one mixed model, for each of its parameters and each count of ratings, seconds: for 20 to 100 parameters,
-    /// and right to a factor of about 2.
-    const MIXED_S: f64 = 0.7e-6;
-    let (people, rows) = (frame.subjects.len(), frame.rows.len());
-    let parameters = frame.categories.len() - 1 + coefficients(frame, &spec.terms).into_iter().sum::<usize>();
-    let simulated = |term: &&Term| needs_simulation(frame, term);
-    let mixed = if people < 2 || spec.random == Random::None { 0 } else { spec.terms.iter().filter(simulated).count() };
-    let models = if mixed == 0 { 0 } else { 1 + mixed };
-    (f64::from(draws.min(USUAL_DRAWS)) * MIXED_S * (parameters * models * rows) as f64 / 60.0) as u64
-}
-
 /// Returns whether the ratio of a term does not have a χ² distribution with this number of participants. A few who rated
 /// several levels of a factor do not make it one that varies within participants.
 fn needs_simulation(frame: &Frame, term: &Term) -> bool {
@@ -227,25 +203,21 @@ fn profile_coefficients(full: &Fitted, model: &mut Model, limits: &Limits) {
     let columns = &full.x.columns;
     let profiled = columns.len() <= MAX_PROFILES;
     model.coefficients.par_iter_mut().enumerate().for_each(|(column, coefficient)| {
-        let simple = simple_in(full, columns[column].term);
-        let Ok(limit) = margins::larger(limits, columns[column].term, simple) else {
+        let Ok(limit) = largest(full, limits, columns[column].term) else {
             coefficient.interval = None;
             return;
         };
-        let profiled = profiled && simple.is_none();
+        let profiled = profiled && !full.spec.terms.is_marginal(full.term_of(column));
         coefficient.interval = (coefficient.se.filter(|_| profiled && coefficient.estimate.is_finite()))
             .and_then(|se| profile::interval(full, column, coefficient.estimate, se, limit))
             .or_else(|| Interval::around(coefficient.estimate, coefficient.se, limit.sqrt()));
     });
 }
 
-/// Returns the interaction of two variables, given by index as a term, in which the coefficients of a main effect are simple
-/// effects at the baseline of the other factor: they have the intervals of these, so that a difference has one interval.
-fn simple_in(full: &Fitted, term: usize) -> Option<usize> {
-    let terms: Vec<&Term> = full.spec.terms.iter().collect();
-    let mut larger = (0..terms.len()).filter(|&other| other != term && terms[other].contains(terms[term]));
-    let (one, another) = (larger.next()?, larger.next());
-    let other = terms[one].variables.iter().find(|variable| !terms[term].variables.contains(variable));
-    let is_simple = another.is_none() && terms[one].variables.len() == 2 && matches!(other, Some(Variable::Factor(_)));
-    is_simple.then_some(one)
+/// Returns the largest limit of a term, given by index, and of those that contain it, or the reason why there is none. The
+/// coefficients of a term in an interaction are simple effects, and have their intervals, so that a difference has one interval.
+fn largest(full: &Fitted, limits: &Limits, term: usize) -> Result<f64, Withheld> {
+    let terms = full.spec.terms.iter().as_slice();
+    let own = terms.iter().zip(limits).filter(|(other, _)| other.contains(&terms[term]));
+    own.map(|(_, limit)| *limit).try_fold(0.0, |most: f64, limit| Ok(most.max(limit?)))
 }

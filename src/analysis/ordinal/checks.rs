@@ -20,7 +20,7 @@ use super::{
     clm::category_bounds,
     clmm::Modes,
     fitting::{Fitted, Layout, lay_out},
-    interactions::{LEAST_FOR_SIGNS, each_block_of_signs},
+    interactions::{LEAST_FOR_SIGNS, sign_test},
     resampling::Simulator,
     search::MixedFit,
 };
@@ -294,13 +294,8 @@ pub(super) fn order(fitted: &Fitted, trials: &[Trial], seed: u64) -> Option<Orde
         ratings: timed.len() as u64,
         drift: is_told.then(|| scores.iter().sum::<f64>() / left),
         drift_p: (is_told && scores.len() >= LEAST_FOR_SIGNS).then(|| {
-            let scores = DVector::from_vec(scores);
-            let (observed, mut reached) = (scores.sum().powi(2), 1);
-            let patterns = each_block_of_signs(scores.len(), seed, |signs| {
-                let sums = signs.tr_mul(&scores);
-                reached += sums.iter().filter(|sum| sum.powi(2) >= observed * (1.0 - 1e-9)).count();
-            });
-            reached as f64 / patterns as f64
+            let observed = scores.iter().sum::<f64>().powi(2);
+            sign_test(&DMatrix::from_row_slice(1, scores.len(), &scores), observed, seed).0
         }),
         lag_one: (products - expected) / squares,
         lag_one_p: normal_two_sided((products - expected) / variance.sqrt()),

@@ -85,34 +85,22 @@ impl ClmData {
         parameters
     }
 
-    /// Computes the bounds η_1 … η_(K−1) of a row.
-    fn bounds(&self, parameters: &DVector<f64>, row: usize, bounds: &mut [f64]) {
-        let first = self.thresholds();
-        let shift: f64 = (0..self.x.ncols()).map(|c| self.x[(row, c)] * parameters[first + c]).sum();
-        let location = self.offset[row] + shift;
-        bounds.iter_mut().zip(parameters.iter()).for_each(|(bound, threshold)| *bound = threshold - location);
-    }
-
-    /// Computes the gradient of bound `j` of a row with respect to the parameters.
-    fn bound_gradient(&self, row: usize, j: usize, gradient: &mut DVector<f64>) {
-        gradient.fill(0.0);
-        gradient[j] = 1.0;
-        for c in 0..self.x.ncols() {
-            gradient[self.thresholds() + c] = -self.x[(row, c)];
-        }
+    /// Returns θ_j − x·β for each row and threshold: the bounds of the categories, without the known part of the location.
+    fn shifts(&self, parameters: &DVector<f64>) -> DMatrix<f64> {
+        let location = &self.x * parameters.rows(self.thresholds(), self.x.ncols());
+        DMatrix::from_fn(self.x.nrows(), self.thresholds(), |row, j| parameters[j] - location[row])
     }
 
     /// Returns the log-likelihood, which is not finite if a rating that occurs has no probability, and its derivatives.
     fn derivatives(&self, parameters: &DVector<f64>) -> Derivatives {
-        let (size, thresholds) = (self.parameters(), self.thresholds());
-        let mut sum =
-            Derivatives { loglik: 0.0, gradient: DVector::zeros(size), information: DMatrix::zeros(size, size) };
-        let mut bounds = vec![0.0; thresholds];
-        let mut gradients = vec![DVector::zeros(size); thresholds];
-        for row in 0..self.counts.nrows() {
-            self.bounds(parameters, row, &mut bounds);
-            let (mut first, mut second, mut mixed) =
-                (vec![0.0; thresholds], vec![0.0; thresholds], vec![0.0; thresholds]);
+        let (rows, thresholds) = (self.x.nrows(), self.thresholds());
+        let shifts = self.shifts(parameters);
+        let mut loglik = 0.0;
+        let mut information = DMatrix::zeros(self.parameters(), self.parameters());
+        // The derivative with respect to each bound, and the information on each bound together with all others.
+        let (mut slopes, mut weights) = (DMatrix::zeros(rows, thresholds), DMatrix::zeros(rows, thresholds));
+        for row in 0..rows {
+            let bounds: Vec<f64> = shifts.row(row).iter().map(|shift| shift - self.offset[row]).collect();
             for k in 0..self.categories() {
                 let count = self.counts[(row, k)];
                 if count <= 0.0 {
@@ -120,46 +108,32 @@ impl ClmData {
                 }
                 let (a, b) = category_bounds(&bounds, k);
                 let cell = self.link.cell(a, b);
-                sum.loglik += count * cell.log_p;
-                if k < thresholds {
-                    first[k] += count * cell.a;
-                    second[k] += count * cell.aa;
+                loglik += count * cell.log_p;
+                let is_inner = k > 0 && k < thresholds;
+                let mixed = if is_inner { count * cell.ab } else { 0.0 };
+                for (j, first, second) in [(k, cell.a, cell.aa), (k.wrapping_sub(1), cell.b, cell.bb)] {
+                    if j < thresholds {
+                        slopes[(row, j)] += count * first;
+                        information[(j, j)] -= count * second;
+                        weights[(row, j)] -= count * second + mixed;
+                    }
                 }
-                if k > 0 {
-                    first[k - 1] += count * cell.b;
-                    second[k - 1] += count * cell.bb;
-                }
-                if k > 0 && k < thresholds {
-                    mixed[k] += count * cell.ab;
-                }
-            }
-            for (j, gradient) in gradients.iter_mut().enumerate() {
-                self.bound_gradient(row, j, gradient);
-                sum.gradient.axpy(first[j], gradient, 1.0);
-            }
-            for j in 0..thresholds {
-                add_product(&mut sum.information, -second[j], &gradients[j], &gradients[j]);
-                if j > 0 {
-                    add_product(&mut sum.information, -mixed[j], &gradients[j], &gradients[j - 1]);
-                    add_product(&mut sum.information, -mixed[j], &gradients[j - 1], &gradients[j]);
+                if is_inner {
+                    information[(k, k - 1)] -= mixed;
+                    information[(k - 1, k)] -= mixed;
                 }
             }
         }
-        sum
-    }
-
-    /// Returns by how much a step moves the bounds of a row.
-    fn moves(&self, step: &DVector<f64>, row: usize) -> Vec<f64> {
-        let mut moves = vec![0.0; self.thresholds()];
-        self.bounds(step, row, &mut moves);
-        moves.iter_mut().for_each(|bound| *bound += self.offset[row]);
-        moves
-    }
-
-    /// Returns the largest change that a step makes in the bounds.
-    fn reach(&self, step: &DVector<f64>) -> f64 {
-        let moves = (0..self.counts.nrows()).flat_map(|row| self.moves(step, row));
-        moves.fold(0.0, |most, bound| most.max(bound.abs()))
+        let whole = weights.column_sum();
+        let weighted = DMatrix::from_fn(rows, self.x.ncols(), |row, column| whole[row] * self.x[(row, column)]);
+        let cross = -weights.tr_mul(&self.x);
+        information.columns_range_mut(thresholds..).rows_range_mut(..thresholds).copy_from(&cross);
+        information.columns_range_mut(..thresholds).rows_range_mut(thresholds..).tr_copy_from(&cross);
+        let own = self.x.tr_mul(&weighted);
+        information.columns_range_mut(thresholds..).rows_range_mut(thresholds..).copy_from(&own);
+        let by_location = -self.x.tr_mul(&slopes.column_sum());
+        let gradient = slopes.row_sum().iter().chain(by_location.iter()).copied().collect::<Vec<f64>>().into();
+        Derivatives { loglik, gradient, information }
     }
 
     /// If the likelihood keeps rising along a step, without a maximum, returns its direction, with ±1 as its largest element:
@@ -169,11 +143,11 @@ impl ClmData {
         const SLACK: f64 = 1e-3;
         let direction = (step / step.amax()).map(|element| if element.abs() < 1e-2 { 0.0 } else { element });
         let (mut least, mut most): (f64, f64) = (0.0, 0.0);
+        let moves = self.shifts(&direction);
         for row in 0..self.counts.nrows() {
-            let moves = self.moves(&direction, row);
             for k in (0..self.categories()).filter(|k| self.counts[(row, *k)] > 0.0) {
                 for (j, sign) in [(k.wrapping_sub(1), -1.0), (k, 1.0)] {
-                    if let Some(bound) = moves.get(j) {
+                    if let Some(bound) = moves.get((row, j)) {
                         (least, most) = (least.min(sign * bound), most.max(sign * bound));
                     }
                 }
@@ -196,7 +170,7 @@ impl ClmData {
             // Newton's step, or that of steepest ascent.
             let factor = positive_definite(&current.information);
             let step = factor.map_or_else(|| current.gradient.clone(), |factor| factor.solve(&current.gradient));
-            let (gradient, reach) = (current.gradient.amax(), self.reach(&step));
+            let (gradient, reach) = (current.gradient.amax(), self.shifts(&step).amax());
             if gradient <= tolerance && reach < 1e-6 {
                 end = FitEnd::Converged;
                 break;
@@ -251,13 +225,6 @@ pub(super) fn category_bounds(bounds: &[f64], category: usize) -> (f64, f64) {
     let upper = bounds.get(category).copied().unwrap_or(f64::INFINITY);
     let lower = if category == 0 { f64::NEG_INFINITY } else { bounds[category - 1] };
     (upper, lower)
-}
-
-/// Adds the outer product of two vectors times `factor`. It skips zeros, which are frequent in treatment contrasts.
-fn add_product(sum: &mut DMatrix<f64>, factor: f64, left: &DVector<f64>, right: &DVector<f64>) {
-    for (column, &r) in right.iter().enumerate().filter(|(_, r)| **r != 0.0) {
-        sum.column_mut(column).axpy(factor * r, left, 1.0);
-    }
 }
 
 /// Returns the Cholesky factor of a matrix. If the matrix has none, its diagonal is increased by as little as possible.

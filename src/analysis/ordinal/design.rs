@@ -111,9 +111,18 @@ impl Design {
         Ok(design)
     }
 
-    /// Returns the design without the columns of a term, given by index.
-    pub fn without_columns(&self, term: usize) -> Self {
+    /// Returns the design with the columns that were dropped.
+    pub fn with_dropped(&self) -> Self {
         let mut design = self.clone();
+        design.columns.append(&mut design.dropped);
+        design.columns.sort_by_key(|column| column.term);
+        design
+    }
+
+    /// Returns the design without the columns of a term, given by index. Columns that were dropped are no combinations of the
+    /// rest, perhaps.
+    pub fn without_columns(&self, term: usize) -> Self {
+        let mut design = self.with_dropped();
         design.columns.retain(|column| column.term != term);
         design
     }
@@ -135,12 +144,6 @@ impl Design {
 /// # Errors
 /// [`ModelError::TooManyCoefficients`].
 pub(crate) fn check_size(frame: &Frame, terms: &Terms, most: usize) -> Result<(), ModelError> {
-    let coefficients = coefficients(frame, terms).into_iter().fold(0, usize::saturating_add);
-    if coefficients > most { Err(ModelError::TooManyCoefficients { coefficients, most }) } else { Ok(()) }
-}
-
-/// Returns the largest number of coefficients that each term may have.
-pub(super) fn coefficients(frame: &Frame, terms: &Terms) -> Vec<usize> {
     let columns = |variable: &Variable| match variable {
         Variable::Number(_) => 1,
         Variable::Factor(name) => {
@@ -149,7 +152,8 @@ pub(super) fn coefficients(frame: &Frame, terms: &Terms) -> Vec<usize> {
         }
     };
     let of_term = |term: &Term| term.variables.iter().map(columns).fold(1, usize::saturating_mul);
-    terms.iter().map(of_term).collect()
+    let coefficients = terms.iter().map(of_term).fold(0, usize::saturating_add);
+    if coefficients > most { Err(ModelError::TooManyCoefficients { coefficients, most }) } else { Ok(()) }
 }
 
 /// Returns what each column of a term stands for. The levels of the first factor vary fastest.

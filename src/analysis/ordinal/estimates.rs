@@ -46,7 +46,6 @@ pub(super) fn report(fitted: &Fitted) -> Model {
     // Standard errors that ignore related ratings are too small.
     let covariance = covariance.filter(|_| !fitted.ignores_people());
     let size = estimates.len();
-    let boundary = mixed.is_some_and(|mixed| mixed.end == MixedFitEnd::Boundary);
     let covariance = covariance.unwrap_or_else(|| DMatrix::from_element(size, size, f64::NAN));
     let se = |index: usize| Some(covariance[(index, index)].sqrt()).filter(|se| se.is_finite());
     let thresholds = fitted.frame.categories.len() - 1;
@@ -64,7 +63,6 @@ pub(super) fn report(fitted: &Fitted) -> Model {
             interval: Interval::around(estimate, se, Z_95),
         }
     };
-    let first_psi = thresholds + fitted.x.columns.len();
     Model {
         link: fitted.spec.link,
         method: if mixed.is_some() { "clmm-laplace" } else { "clm" },
@@ -72,21 +70,20 @@ pub(super) fn report(fitted: &Fitted) -> Model {
         subjects: fitted.frame.subjects.len(),
         loglik: mixed.map_or(fitted.clm.loglik, |mixed| mixed.loglik),
         gradient,
-        parameters: size + if boundary { fitted.random.parameters() } else { 0 },
+        parameters: size,
         thresholds: (fitted.frame.categories.windows(2).enumerate())
             .map(|(j, pair)| Threshold { name: pair.join("|"), estimate: estimates[j], se: se(j) })
             .collect(),
         coefficients: (0..fitted.x.columns.len()).map(coefficient).collect(),
-        random: mixed.map(|mixed| random_effect(fitted, mixed, (!boundary).then_some((&covariance, first_psi)))),
+        random: mixed.map(|mixed| random_effect(fitted, mixed, &covariance)),
         categories: fitted.frame.categories.clone(),
         notes,
         covariance,
     }
 }
 
-/// Describes the random effects. `covariance` is that of all parameters, with the index of the first ψ; `None` if all
-/// deviations are 0.
-fn random_effect(fitted: &Fitted, mixed: &MixedFit, covariance: Option<(&DMatrix<f64>, usize)>) -> RandomEffect {
+/// Describes the random effects. `covariance` is that of all parameters.
+fn random_effect(fitted: &Fitted, mixed: &MixedFit, covariance: &DMatrix<f64>) -> RandomEffect {
     let part = &fitted.random;
     let size = part.components.len();
     let first = mixed.parameters.len() - part.parameters();
@@ -101,12 +98,11 @@ fn random_effect(fitted: &Fitted, mixed: &MixedFit, covariance: Option<(&DMatrix
     let variances = &factor * factor.transpose();
     let sd = |row: usize| variances[(row, row)].sqrt();
     let se = |row: usize| {
-        let (covariance, first) = covariance.filter(|_| sd(row) > 0.0)?;
         // The derivative of a standard deviation with respect to an element of its row.
         let slope = |parameter: usize| psi[parameter] / sd(row);
         let pairs = places[row].iter().flat_map(|i| places[row].iter().map(move |j| (*i, *j)));
         let variance: f64 = pairs.map(|(i, j)| slope(i) * slope(j) * covariance[(first + i, first + j)]).sum();
-        Some(variance.sqrt()).filter(|se| se.is_finite())
+        Some(variance.sqrt()).filter(|se| se.is_finite() && sd(row) > 0.0)
     };
     let effect = |row: usize| RandomSlope {
         name: part.components[row].name.clone(),
@@ -129,10 +125,7 @@ fn random_effect(fitted: &Fitted, mixed: &MixedFit, covariance: Option<(&DMatrix
 
 /// Returns the estimates of the search and the matrix that converts them to the scale of the data.
 fn search_estimates<'a>(fitted: &'a Fitted) -> (&'a DVector<f64>, DMatrix<f64>) {
-    let parameters = match fitted.usable() {
-        Some(mixed) if mixed.end != MixedFitEnd::Boundary => &mixed.parameters,
-        _ => &fitted.clm.parameters,
-    };
+    let parameters = fitted.usable().map_or(&fitted.clm.parameters, |mixed| &mixed.parameters);
     let thresholds = fitted.frame.categories.len() - 1;
     let mut to_data_scale = design::to_data_scale(&fitted.standard, thresholds, parameters.len());
     let first_psi = thresholds + fitted.x.columns.len();
@@ -166,8 +159,8 @@ fn covariance(fitted: &Fitted) -> Option<DMatrix<f64>> {
     let (parameters, to_data_scale) = search_estimates(fitted);
     let size = parameters.len();
     let (information, free) = match fitted.usable() {
-        Some(mixed) if mixed.end != MixedFitEnd::Boundary => (mixed.information.clone(), mixed.free.clone()),
-        _ => {
+        Some(mixed) => (mixed.information.clone(), mixed.free.clone()),
+        None => {
             let finite: Vec<usize> = (0..size).filter(|&index| !fitted.is_infinite(index)).collect();
             (fitted.clm.information.select_rows(&finite).select_columns(&finite), finite)
         }

@@ -43,7 +43,7 @@ pub(super) struct How<'a> {
     pub near: Option<&'a Fitted<'a>>,
     /// A similar fit with errors, with whose information the search starts.
     pub informed: Option<&'a Fitted<'a>>,
-    /// Whether only the likelihood is needed, to six decimals.
+    /// Whether only the likelihood is needed, to four decimals.
     pub rough: bool,
     /// The location design; `None` determines it from the specification.
     pub x: Option<&'a Design>,
@@ -240,8 +240,7 @@ fn fit_mixed(fitted: &Fitted, how: How<'_>) -> Option<MixedFit> {
         rough: how.rough,
     };
     let found = search::fit(&data, task);
-    let good = |fit: &MixedFit| matches!(fit.end, MixedFitEnd::Converged | MixedFitEnd::Boundary);
-    if start.is_none() || found.as_ref().is_some_and(good) {
+    if start.is_none() || found.as_ref().is_some_and(|fit| fit.end == MixedFitEnd::Converged) {
         return found;
     }
     // The similar fit was not so similar.

@@ -80,29 +80,22 @@ fn pairs(full: &Fitted) -> Vec<Pair> {
 
 fn by_signs(full: &Fitted, pairs: Vec<Pair>, seed: u64) -> Vec<Interaction> {
     let residuals = Residuals::of(full);
-    let scores = |(pair, terms): &Pair| residuals.scores(full, *terms).filter(|_| pair.test.df <= MAX_COLUMNS);
-    let scores: Vec<Option<Scores>> = pairs.par_iter().map(scores).collect();
-    // The number of patterns that reach each statistic; the signs as they are do.
-    let mut reached = vec![1_usize; pairs.len()];
-    let patterns = each_block_of_signs(full.frame.subjects.len(), seed, |signs| {
-        reached.par_iter_mut().zip(&scores).for_each(|(reached, scores)| {
-            let Some(Scores { observed, enlarged }) = scores else { return };
-            let sums = enlarged * signs;
-            *reached += sums.column_iter().filter(|sum| sum.norm_squared() >= observed * (1.0 - 1e-9)).count();
-        });
-    });
-    let tested = |(((mut pair, _), scores), reached): ((Pair, Option<Scores>), usize)| {
+    let tested = |(mut pair, terms): Pair| {
         let test = &mut pair.test;
-        if let Some(Scores { observed, enlarged }) = scores {
+        if test.df > MAX_COLUMNS {
+            return pair;
+        }
+        if let Some(Scores { observed, enlarged }) = residuals.scores(full, terms) {
             test.df = enlarged.nrows();
             test.chi_squared = Some(observed * test.df as f64 / enlarged.norm_squared());
-            (test.p, test.draws, test.withheld) = (Some(reached as f64 / patterns as f64), Some(patterns), None);
-        } else if test.df <= MAX_COLUMNS {
+            let (p, patterns) = sign_test(&enlarged, observed, seed);
+            (test.p, test.draws, test.withheld) = (Some(p), Some(patterns), None);
+        } else {
             test.withheld = Some(Withheld::Aliased);
         }
         pair
     };
-    corrected(pairs.into_iter().zip(scores).zip(reached).map(tested).collect())
+    corrected(pairs.into_par_iter().map(tested).collect())
 }
 
 /// Corrects the probabilities for the number of interactions.
@@ -112,11 +105,12 @@ fn corrected(mut tested: Vec<Interaction>) -> Vec<Interaction> {
     tested
 }
 
-/// Makes patterns of signs, a sign for each participant in a column, block by block, because all of them would need gigabytes
-/// for thousands of participants. They are all patterns that differ by more than a common sign from the one without negative
-/// signs and from each other, or random ones. Returns their number, with that one.
-pub(super) fn each_block_of_signs(people: usize, seed: u64, mut each: impl FnMut(&DMatrix<f64>)) -> usize {
+/// Returns the proportion of the patterns of signs, one for each column, in which the squared sum of the columns is at least as
+/// large as `observed`, and the number of patterns: all that differ by more than a common sign, or the one without negative signs
+/// and random ones. They are made block by block, because all of them would need gigabytes for thousands of participants.
+pub(super) fn sign_test(scores: &DMatrix<f64>, observed: f64, seed: u64) -> (f64, usize) {
     const BLOCK: usize = 64;
+    let people = scores.ncols();
     let is_enumerated = people <= MAX_ENUMERATED;
     let patterns = if is_enumerated { 1 << (people - 1) } else { 1 + SIGNS };
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -124,11 +118,14 @@ pub(super) fn each_block_of_signs(people: usize, seed: u64, mut each: impl FnMut
         let is_positive = if is_enumerated { pattern >> person & 1 == 0 } else { rng.random() };
         if is_positive { 1.0 } else { -1.0 }
     };
+    // The signs as they are reach it.
+    let mut reached = 1;
     for first in (1..patterns).step_by(BLOCK) {
         let columns = BLOCK.min(patterns - first);
-        each(&DMatrix::from_fn(people, columns, |person, column| sign(first + column, person)));
+        let sums = scores * DMatrix::from_fn(people, columns, |person, column| sign(first + column, person));
+        reached += sums.column_iter().filter(|sum| sum.norm_squared() >= observed * (1.0 - 1e-9)).count();
     }
-    patterns
+    (reached as f64 / patterns as f64, patterns)
 }
 
 /// The scores of the participants for an interaction, in units of their information.
@@ -229,7 +226,7 @@ fn by_ratios(full: &Fitted, pairs: Vec<Pair>, settings: Resampling) -> Vec<Inter
             return test;
         };
         if let Some(lr) = own.chi_squared {
-            own.calibrate(&simulate(&wider, &[(term, lr)], settings, &|| ())[0]);
+            own.calibrate(&simulate(&wider, None, &[(term, lr)], settings, &|| ())[0]);
         }
         own
     };

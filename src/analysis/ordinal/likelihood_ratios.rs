@@ -114,44 +114,41 @@ impl Fitted<'_> {
     }
 }
 
-/// Tests each term by the likelihood ratio against the model without it. A term that is part of a larger one is its mean
-/// effect over the other variables: the model without it has sum contrasts (type III). If a combination of levels has no
-/// ratings, there is no test, because the sum contrasts would depend on the order of the levels.
-pub(crate) fn without_terms(full: &Fitted) -> Result<Vec<TermTest>, ModelError> {
-    let test = |(place, term): (usize, &Term)| match full.untestable(term) {
-        None => without_term(full, term),
-        withheld => {
-            let df = full.x.columns.iter().filter(|column| column.term == place).count();
-            Ok(TermTest { withheld, ..TermTest::new(term, None, df) })
+/// Tests each term by the likelihood ratio against the model without it: a term that is part of a larger one in the [`recoded`]
+/// model. If a combination of levels has no ratings, such a term has no test, because the sum contrasts would depend on the order
+/// of the levels.
+pub(crate) fn without_terms(full: &Fitted, recoded: Option<&Fitted>) -> Result<Vec<TermTest>, ModelError> {
+    let test = |(place, term): (usize, &Term)| {
+        let withheld = full.untestable(term);
+        let model = if full.spec.terms.is_marginal(term) { recoded } else { Some(full) };
+        match model.filter(|_| withheld.is_none()) {
+            Some(model) => without_term(model, term),
+            None => {
+                let df = full.x.columns.iter().filter(|column| column.term == place).count();
+                let test = TermTest::new(term, None, df);
+                Ok(TermTest { withheld: withheld.or(test.withheld), ..test })
+            }
         }
     };
     full.spec.terms.iter().enumerate().collect::<Vec<_>>().into_par_iter().map(test).collect()
 }
 
-/// Returns the same model with the columns in which a term can be tested; `None` for those of the model itself.
-pub(super) fn recoded<'a>(full: &Fitted<'a>, term: &Term) -> Result<Option<Fitted<'a>>, ModelError> {
-    if !full.spec.terms.is_marginal(term) {
-        return Ok(None);
-    }
-    let x = full.x.revalued(&full.frame, true, &[])?;
-    let how = How { near: Some(full), x: Some(&x), ..How::default() };
-    fit_terms(full.frame.clone(), full.spec.clone(), Vec::new(), how).map(Some)
+/// Returns the same model in sum contrasts, in which a term that is part of a larger one is its mean effect over the other
+/// variables (type III). None if there is no such term, or if these contrasts allow no fit.
+pub(crate) fn recoded<'a>(full: &Fitted<'a>, errors: bool) -> Option<Fitted<'a>> {
+    full.spec.terms.iter().find(|term| full.spec.terms.is_marginal(term))?;
+    let x = full.x.with_dropped().revalued(&full.frame, true, &[]).ok()?;
+    let how = How { errors, near: Some(full), x: Some(&x), ..How::default() };
+    let recoded = fit_terms(full.frame.clone(), full.spec.clone(), Vec::new(), how).ok()?;
+    comparable(full, &recoded).then_some(recoded)
 }
 
-/// Tests one term by the likelihood ratio against the model without it.
+/// Tests one term by the likelihood ratio against the model without its columns.
 pub(crate) fn without_term(full: &Fitted, term: &Term) -> Result<TermTest, ModelError> {
-    let mut spec = full.spec.clone();
-    let mut how = How { near: Some(full), informed: Some(full), ..How::default() };
-    let x;
-    if let Some(index) =
-        full.spec.terms.iter().position(|own| own == term).filter(|_| full.spec.terms.is_marginal(term))
-    {
-        x = full.x.revalued(&full.frame, true, &[])?.without_columns(index);
-        how.x = Some(&x);
-    } else {
-        spec.terms = full.spec.terms.without(term);
-    }
-    let reduced = fit_terms(full.frame.clone(), spec, Vec::new(), how)?;
+    let place = full.spec.terms.iter().position(|own| own == term).unwrap_or(usize::MAX);
+    let x = full.x.without_columns(place);
+    let how = How { near: Some(full), informed: Some(full), x: Some(&x), ..How::default() };
+    let reduced = fit_terms(full.frame.clone(), full.spec.clone(), Vec::new(), how)?;
     let difference = comparable(full, &reduced).then(|| full.loglik() - reduced.loglik());
     Ok(TermTest::new(term, difference, full.rank().saturating_sub(reduced.rank())))
 }

@@ -93,14 +93,6 @@ impl Link {
         }
     }
 
-    /// Returns the standard deviation of the distribution.
-    pub fn sd(self) -> f64 {
-        match self {
-            Self::Logit => std::f64::consts::PI / 3.0_f64.sqrt(),
-            Self::Probit => 1.0,
-        }
-    }
-
     /// Returns the probability that one latent rating exceeds another whose location is lower by `difference`. For the
     /// logit link, it is the distribution function of the difference between two logistic variables.
     pub fn superiority(self, difference: f64) -> f64 {

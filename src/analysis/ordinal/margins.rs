@@ -165,7 +165,7 @@ pub(super) fn comparisons(
 ) -> Vec<Comparison> {
     let terms = &fitted.spec.terms;
     let mut all = Vec::new();
-    for (place, (term, &limit)) in terms.iter().zip(limits).enumerate() {
+    for (term, &limit) in terms.iter().zip(limits) {
         if terms.is_marginal(term) {
             let test = tests.iter().find(|test| test.term == *term && test.p.is_some());
             if let ([factor @ Variable::Factor(_)], Some(test)) = (&term.variables[..], test) {
@@ -175,7 +175,7 @@ pub(super) fn comparisons(
         }
         let with_main = |factor: &Variable| {
             let main = terms.iter().position(|term| term.variables == [factor.clone()]);
-            larger(limits, place, main)
+            main.map_or(limit, |main| Ok(limit?.max(limits[main]?)))
         };
         match &term.variables[..] {
             [factor @ Variable::Factor(_)] => all.extend(compare(fitted, model, factor, Scope::All, limit)),
@@ -191,12 +191,6 @@ pub(super) fn comparisons(
         }
     }
     all
-}
-
-/// Returns the larger limit of two terms, given by index, or the reason why there is none.
-pub(super) fn larger(limits: &[Result<f64, Withheld>], one: usize, other: Option<usize>) -> Result<f64, Withheld> {
-    let limit = limits[one]?;
-    other.map_or(Ok(limit), |other| limits[other].map(|other| other.max(limit)))
 }
 
 /// Where levels are compared.

@@ -48,4 +48,4 @@ pub use resampling::Resampling;
 
 pub(super) use design::{Design, Span, check_size};
 pub(super) use fitting::fit_counts;
-pub(super) use likelihood_ratios::{without_term, without_terms};
+pub(super) use likelihood_ratios::{recoded, without_term, without_terms};

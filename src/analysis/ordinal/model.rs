@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use super::{
     link::Link,
-    terms::{Term, TermPart, Terms, Variable},
+    terms::{Term, TermPart, Terms},
 };
 use crate::{
     statistics::Interval,
@@ -166,7 +166,7 @@ pub struct Model {
     /// Notes on the data.
     pub notes: Vec<Note>,
     /// Covariance of thresholds, coefficients and sd, in this order. It is NaN for parameters without a finite
-    /// estimate, and an sd of 0 has no row.
+    /// estimate, and 0 for an sd of 0.
     #[serde(skip)]
     pub covariance: DMatrix<f64>,
 }
@@ -175,17 +175,6 @@ impl Model {
     /// Returns whether the maximum was found.
     pub fn converged(&self) -> bool {
         !self.notes.iter().any(|note| matches!(note, Note::NotConverged { .. }))
-    }
-
-    /// Returns the share of the latent variance that the random intercept accounts for (the intraclass correlation).
-    pub fn share_between(&self) -> Option<f64> {
-        let random = self.random.as_ref().filter(|random| random.correlations.is_none())?;
-        // A slope on a number has another unit; a deviation at a level belongs to the rating's own variance.
-        let is_factor = |variable: &Variable| matches!(variable, Variable::Factor(_));
-        let levels = random.slopes.iter().filter(|slope| slope.term.variables.iter().all(is_factor));
-        let rest = self.link.sd().powi(2) + levels.chain(&random.items).map(|slope| slope.sd * slope.sd).sum::<f64>();
-        let own = random.sd * random.sd;
-        Some(own / (own + rest))
     }
 
     /// Returns the Bayesian information criterion with the number of ratings, as in R.
@@ -291,7 +280,7 @@ pub enum Note {
     /// The variance between participants, or an effect within participants, has no finite estimate, or the ratings are separated
     /// in such a way that no mixed model can be fitted.
     #[error(
-        "no mixed model could be fitted, as where hardly any participant uses more than one category under the same conditions: the estimates ignore that ratings by the same participant are related, so there are no standard errors, intervals or tests"
+        "no mixed model could be fitted, as where hardly any participant uses more than one category under the same conditions: the estimates ignore that ratings by the same participant are related, so the model has no standard errors, intervals or tests"
     )]
     NoMixedModel,
     /// The iteration ended before the gradient became small.
@@ -344,11 +333,6 @@ pub enum ModelError {
         /// Maximum number of coefficients.
         most: usize,
     },
-    /// The simulated studies would take too long.
-    #[error(
-        "the simulated studies take about {minutes} minutes of one processor; expected at most {most}: use num:FACTOR for a factor with many levels, fewer terms, or fewer draws"
-    )]
-    TooMuchWork { minutes: u64, most: u64 },
     /// The correlated random effects have too many covariances.
     #[error(
         "correlated: each participant has {effects} random effects; expected at most {most}: use num:FACTOR, fewer terms, or independent slopes"

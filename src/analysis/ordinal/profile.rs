@@ -32,27 +32,23 @@ pub(super) fn chi_squared_limit(df: usize) -> f64 {
     chi_squared_quantile(LEVEL, df as f64)
 }
 
+fn is_normal(full: &Fitted) -> bool {
+    full.frame.total() >= MANY_PER_PARAMETER * full.parameters() as u64 && full.frame.subjects.len() >= MANY_PEOPLE
+}
+
 /// Returns the likelihood ratio against the model in which a quantity is 0; `None` too if a profile is normal, because its
 /// standard error then says the same.
 pub(super) fn ratio_at_zero(full: &Fitted, quantity: Quantity) -> Option<f64> {
-    if full.frame.total() >= MANY_PER_PARAMETER * full.parameters() as u64 && full.frame.subjects.len() >= MANY_PEOPLE {
-        return None;
-    }
-    let fitted = hold(full, quantity, 0.0)?;
-    comparable(full, &fitted).then(|| (2.0 * (full.loglik() - fitted.loglik())).max(0.0))
+    if is_normal(full) { None } else { ratio(full, quantity, 0.0) }
 }
 
 /// Returns the interval of the coefficient of a column. `limit` is the largest likelihood ratio; `se` is where the search
 /// begins. An end is infinite if no finite value is excluded. `None` if the profile cannot be computed.
 pub(super) fn interval(full: &Fitted, column: usize, estimate: f64, se: f64, limit: f64) -> Option<Interval> {
-    let is_large = full.frame.total() >= MANY_PER_PARAMETER * full.parameters() as u64;
-    if is_large && full.frame.subjects.len() >= MANY_PEOPLE {
+    if is_normal(full) {
         return Interval::around(estimate, Some(se), limit.sqrt());
     }
-    let ratio = |value: f64| {
-        let fitted = hold(full, Quantity::Coefficient(column), value)?;
-        comparable(full, &fitted).then(|| 2.0 * (full.loglik() - fitted.loglik()))
-    };
+    let ratio = |value: f64| ratio(full, Quantity::Coefficient(column), value);
     // On the scale of the link, whatever the unit of a number is.
     let far = FAR / full.standard.scales[column];
     let [low, high] = [-se, se].map(|step| end(&ratio, estimate, step, limit, far));
@@ -68,7 +64,7 @@ fn end(ratio: &impl Fn(f64) -> Option<f64>, estimate: f64, step: f64, limit: f64
     let (mut inside, mut outside) = ((0.0, 0.0), None::<(f64, f64)>);
     let mut distance = step.abs() * wanted;
     for _ in 0..25 {
-        let root = ratio(at(distance))?.max(0.0).sqrt();
+        let root = ratio(at(distance))?.sqrt();
         if (root - wanted).abs() < 2e-3 * wanted {
             break;
         }
@@ -92,12 +88,13 @@ fn end(ratio: &impl Fn(f64) -> Option<f64>, estimate: f64, step: f64, limit: f64
     Some(at(distance))
 }
 
-/// Fits the model with a given value of a quantity.
-fn hold<'a>(full: &Fitted<'a>, quantity: Quantity, value: f64) -> Option<Fitted<'a>> {
+/// Returns the likelihood ratio against the model with a given value of a quantity.
+fn ratio(full: &Fitted, quantity: Quantity, value: f64) -> Option<f64> {
     let x = match quantity {
         Quantity::Coefficient(column) => full.x.held(&full.standard, &[(column, value)]),
         Quantity::Difference(a, b) => full.x.joined(a, b).held(&full.standard, &[(a, value)]),
     };
     let how = How { near: Some(full), informed: Some(full), x: Some(&x), ..How::default() };
-    fit_terms(full.frame.clone(), full.spec.clone(), Vec::new(), how).ok()
+    let fitted = fit_terms(full.frame.clone(), full.spec.clone(), Vec::new(), how).ok()?;
+    comparable(full, &fitted).then(|| (2.0 * (full.loglik() - fitted.loglik())).max(0.0))
 }

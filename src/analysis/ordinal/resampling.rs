@@ -21,7 +21,7 @@ use super::{
     design::Design,
     estimates::finite_estimates,
     fitting::{Fitted, How, Layout, fit_terms, lay_out, layout},
-    likelihood_ratios::{comparable, is_decided, recoded},
+    likelihood_ratios::{comparable, is_decided},
     link::Link,
     search::MixedFit,
     terms::Term,
@@ -60,26 +60,24 @@ const BATCH: u32 = 100;
 /// Clifford 1991, Biometrika 78, 301). `progress` is called after each study.
 pub(super) fn simulate(
     full: &Fitted,
+    recoded: Option<&Fitted>,
     tested: &[(&Term, f64)],
     settings: Resampling,
     progress: &(dyn Fn() + Sync),
 ) -> Vec<Vec<f64>> {
     let simulator = Simulator::new(full, true);
-    // A term whose columns cannot be found has no ratios.
-    let held = |term: &Term| {
-        let recoded = recoded(full, term).ok()?;
-        let model = recoded.as_ref().unwrap_or(full);
+    let held = |(term, _): &(&Term, f64)| {
+        let model = recoded.filter(|_| full.spec.terms.is_marginal(term)).unwrap_or(full);
         let estimates = finite_estimates(model);
         let thresholds = model.frame.categories.len() - 1;
-        let own = (0..model.x.columns.len()).filter(|&column| model.term_of(column) == term);
+        let own = (0..model.x.columns.len()).filter(|&column| model.term_of(column) == *term);
         let own: Vec<(usize, f64)> = own.map(|column| (column, estimates[thresholds + column])).collect();
-        Some(model.x.held(&model.standard, &own))
+        (model.x.held(&model.standard, &own), model)
     };
-    let held: Vec<Option<Design>> = tested.iter().map(|(term, _)| held(term)).collect();
+    let held: Vec<Held> = tested.iter().map(held).collect();
     let mut open = vec![true; tested.len()];
     let of_study = |study: u32, open: &[bool]| {
-        let designs: Vec<Option<&Design>> =
-            held.iter().zip(open).map(|(x, open)| x.as_ref().filter(|_| *open)).collect();
+        let designs: Vec<Option<&Held>> = held.iter().zip(open).map(|(held, open)| open.then_some(held)).collect();
         let ratios = simulator.study(settings.seed, study.into()).and_then(|frame| ratios(full, frame, &designs));
         progress();
         ratios.unwrap_or_else(|| vec![f64::NAN; tested.len()])
@@ -100,17 +98,20 @@ pub(super) fn simulate(
     all
 }
 
+/// A design in which the coefficients of a term have their estimates, and the fit that it is of.
+type Held<'a> = (Design, &'a Fitted<'a>);
+
 /// Returns the ratio of each design, if there is one, in a simulated study; `None` if the study allows no fit.
-fn ratios(full: &Fitted, frame: Frame, designs: &[Option<&Design>]) -> Option<Vec<f64>> {
+fn ratios(full: &Fitted, frame: Frame, designs: &[Option<&Held>]) -> Option<Vec<f64>> {
     let how = How { x: Some(&full.x), near: Some(full), informed: Some(full), rough: true, ..How::default() };
     let free = fit_terms(frame, full.spec.clone(), Vec::new(), how).ok()?;
-    let fixed = |x: &Design| {
-        let near = if free.mixed.is_some() { &free } else { full };
-        let how = How { x: Some(x), near: Some(near), ..how };
+    let fixed = |(x, model): &Held| {
+        let near = if std::ptr::eq(*model, full) && free.mixed.is_some() { &free } else { *model };
+        let how = How { x: Some(x), near: Some(near), informed: Some(model), ..how };
         let fixed = fit_terms(free.frame.clone(), free.spec.clone(), Vec::new(), how).ok()?;
         comparable(&free, &fixed).then(|| (2.0 * (free.loglik() - fixed.loglik())).max(0.0))
     };
-    Some(designs.iter().map(|x| x.and_then(fixed).unwrap_or(f64::NAN)).collect())
+    Some(designs.iter().map(|held| held.and_then(fixed).unwrap_or(f64::NAN)).collect())
 }
 
 /// Corrects the standard deviations of independent effects for the means over participants that are estimated, as
@@ -160,15 +161,18 @@ fn order_of_draws(fitted: &Fitted, weights: &[Vec<(usize, f64)>], own: usize) ->
     let mut places = vec![0; counts.conditions.len()];
     conditions.iter().enumerate().for_each(|(place, &condition)| places[condition] = place);
     // Each slot of a condition belongs to a component.
-    let mut effects: Vec<usize> = (0..own).collect();
-    effects.sort_by_cached_key(|&effect| {
-        let slot_in = |condition: usize| weights[condition].iter().position(|(other, _)| *other == effect);
-        let found = conditions.iter().enumerate().find_map(|(place, &condition)| Some((slot_in(condition)?, place)));
-        found.map(|(slot, place)| {
-            let variables = fitted.random.components[slot].term.variables.iter();
-            (variables.map(ToString::to_string).collect::<BTreeSet<String>>(), place)
-        })
+    let mut slots: Vec<usize> = (0..fitted.random.components.len()).collect();
+    slots.sort_by_cached_key(|&slot| {
+        let variables = fitted.random.components[slot].term.variables.iter();
+        variables.map(ToString::to_string).collect::<BTreeSet<String>>()
     });
+    let mut effects: Vec<usize> = Vec::with_capacity(own);
+    for (slot, &condition) in slots.iter().flat_map(|slot| conditions.iter().map(move |condition| (*slot, condition))) {
+        let effect = weights[condition][slot].0;
+        if effect < own && !effects.contains(&effect) {
+            effects.push(effect);
+        }
+    }
     (effects, places)
 }
 

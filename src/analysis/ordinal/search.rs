@@ -23,8 +23,6 @@ const MAX_PARAMETER: f64 = 60.0;
 pub(super) enum MixedFitEnd {
     /// The gradient is small.
     Converged,
-    /// All standard deviations are 0.
-    Boundary,
     /// A standard deviation, or an effect within participants, grows without bound.
     Diverged,
     /// The search could not continue.
@@ -70,7 +68,7 @@ pub(super) struct Task<'a> {
     pub modes: Option<&'a Modes>,
     /// The information of the free parameters in a similar fit.
     pub information: Option<&'a DMatrix<f64>>,
-    /// Whether a deviation that arrives at 0 stays there, and the likelihood is needed to six decimals only.
+    /// Whether a deviation that arrives at 0 stays there, and the likelihood is needed to four decimals only.
     pub rough: bool,
     /// The indices of the parameters that may change, in order.
     pub free: &'a [usize],
@@ -94,8 +92,8 @@ pub(super) fn fit(data: &ClmmData, task: Task<'_>) -> Option<MixedFit> {
     }
     let is_zero = |parameter: &usize| search.at[data.first_psi() + parameter] == 0.0;
     if data.loadings.independent && data.loadings.deviations.iter().all(is_zero) {
-        search.move_to_boundary(&task.plain.parameters)?;
-        return Some(search.finish(MixedFitEnd::Boundary, DMatrix::zeros(0, 0)));
+        let information = search.move_to_boundary(task)?;
+        return Some(search.finish(MixedFitEnd::Converged, information));
     }
     if end == MixedFitEnd::Diverged || (!task.errors && end == MixedFitEnd::Converged) {
         return Some(search.finish(end, DMatrix::zeros(0, 0)));
@@ -253,7 +251,7 @@ impl<'a> Search<'a> {
     fn climb(&mut self, task: Task<'_>) -> MixedFitEnd {
         const MAX_ITERATIONS: usize = 300;
         // Twice the distance of the log-likelihood from its maximum that is as good as none.
-        let small = if task.rough { 1e-6 } else { 1e-9 };
+        let small = if task.rough { 1e-4 } else { 1e-9 };
         for iteration in 0..MAX_ITERATIONS {
             checkpoint();
             // Newton's method takes over near the maximum.
@@ -330,11 +328,12 @@ impl<'a> Search<'a> {
         Some((gradient(-1.0)? - gradient(1.0)?) / (2.0 * distance))
     }
 
-    /// Sets ψ to 0 and all other parameters to the estimates of the model without random effects.
-    fn move_to_boundary(&mut self, plain: &DVector<f64>) -> Option<()> {
-        self.at = plain.clone().resize_vertically(self.data.parameters(), 0.0);
+    /// Sets ψ to 0 and all other parameters to the estimates of the model without random effects. Returns their information.
+    fn move_to_boundary(&mut self, Task { plain, free, .. }: Task<'_>) -> Option<DMatrix<f64>> {
+        self.at = plain.parameters.clone().resize_vertically(self.data.parameters(), 0.0);
         self.value = self.data.evaluate(&self.at, &mut self.modes)?;
-        Some(())
+        self.free = free.iter().copied().filter(|&index| index < self.data.first_psi()).collect();
+        Some(plain.information.select_rows(&self.free).select_columns(&self.free))
     }
 
     fn finish(self, end: MixedFitEnd, information: DMatrix<f64>) -> MixedFit {

@@ -8,7 +8,7 @@ use crate::{
         FEW_FOR_LIKELIHOOD_RATIOS, MAX_COEFFICIENTS, ModelSpec, Options, Slopes, Withheld,
         counts::Counts,
         frame::Frame,
-        ordinal::{check_size, fit_counts, terms::Term, without_term, without_terms},
+        ordinal::{check_size, fit_counts, recoded, terms::Term, without_term, without_terms},
         rank_tests::{SubjectMeans, friedman},
         results::model_spec,
     },
@@ -222,7 +222,7 @@ type Outcome = (Option<f64>, Option<Withheld>);
 fn outcomes(counts: &Counts, spec: &ModelSpec, hypotheses: &[Hypothesis], nulls: &[Option<Vec<f64>>]) -> Vec<Outcome> {
     // Omit the standard errors: likelihood-ratio tests do not need them.
     let fitted = fit_counts(counts, spec, false).ok();
-    let tests = fitted.as_ref().and_then(|fitted| without_terms(fitted).ok());
+    let tests = fitted.as_ref().and_then(|fitted| without_terms(fitted, recoded(fitted, false).as_ref()).ok());
     let probability = |hypothesis: &Hypothesis, null: &Option<Vec<f64>>| {
         let mut test = tests.iter().flatten().find(|test| test.term == hypothesis.term)?.clone();
         null.iter().for_each(|ratios| test.calibrate(ratios));

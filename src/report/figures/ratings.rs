@@ -15,7 +15,7 @@ use crate::{
     analysis::{
         Results,
         counts::Factor,
-        summary::{Group, by_levels, by_levels_as, means_by_subject},
+        summary::{Group, by_levels, means_as, means_by_subject},
     },
     report::{document::whole_percent, names},
     statistics::Interval,
@@ -55,7 +55,7 @@ pub(super) fn figures(results: &Results) -> Vec<Figure> {
 pub fn predicted(results: &Results, expected: &[Option<f64>]) -> Vec<Figure> {
     let counts = &results.measured.counts;
     let factors = chosen(counts);
-    let means = of_groups(by_levels_as(counts, &factors, expected));
+    let means = means_as(counts, &factors, expected).into_iter().map(|(names, mean)| (names, (mean, None))).collect();
     let names = ["figure4a_predicted", "figure4b_predicted"];
     let source = "by the vision model, with its criterion fitted to the ratings";
     charts(results, &factors, &means, names, "Predicted mean rating", source)

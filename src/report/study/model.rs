@@ -77,12 +77,6 @@ fn between_people(section: &mut Section, results: &Results, model: &Model, rando
         .number("SD", |(_, sd, se)| fixed(*sd, decimals(*sd, *se)))
         .number("SE", |(_, sd, se)| fixed(*se, decimals(*sd, *se)))
         .add_to(section);
-    if let Some(share) = model.share_between() {
-        let share = unit(share);
-        section.text(format!(
-            "The intraclass correlation, the proportion of the latent variance that lies between participants, is {share}."
-        ));
-    }
 }
 
 fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
@@ -196,7 +190,7 @@ fn formula(section: &mut Section, results: &Results, model: &Model) {
         _ if model.random.is_none() || !results.is_inferential() => String::new(),
         [] => " Participants differ only in how high they rate; every effect is the same for all.".to_owned(),
         slopes => format!(
-            " Participants also differ in the effects of {}, so tests and intervals of these effects allow for differences \
+            " Participants may also differ in the effects of {}, so tests and intervals of these effects allow for differences \
              between people.",
             list(slopes)
         ),
