@@ -50,7 +50,7 @@ fn procedure(source: &Source, results: &Results) -> String {
 
 fn shown(protocol: &Protocol) -> String {
     let answers = names::categories_of(protocol).join(", ");
-    let scale = if protocol.response == ResponseScale::default() { " (scale of Bangay)" } else { "" };
+    let scale = if protocol.response == ResponseScale::default() { ", on the scale of Bangay" } else { "" };
     let times = times(protocol.design.repetitions);
     format!(
         " Each session was planned to show every condition {times}, after {}. A uniform field of relative luminance {} was \
