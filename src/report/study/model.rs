@@ -159,7 +159,8 @@ fn margins(section: &mut Section, results: &Results, report: &ModelReport) {
         .add_to(section);
 }
 
-fn is_additive(results: &Results) -> bool {
+/// True if the model has no interaction.
+pub(super) fn is_additive(results: &Results) -> bool {
     results.spec.terms.iter().all(Term::is_main)
 }
 
