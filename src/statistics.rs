@@ -16,8 +16,10 @@ pub const Z_95: f64 = 1.959_963_984_540_054;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Interval {
     /// Lower end.
+    #[serde(serialize_with = "crate::text::as_cell")]
     pub low: f64,
     /// Upper end.
+    #[serde(serialize_with = "crate::text::as_cell")]
     pub high: f64,
 }
 

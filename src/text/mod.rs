@@ -6,4 +6,5 @@ pub(crate) mod names;
 pub(crate) mod number;
 mod table;
 
+pub(crate) use table::as_cell;
 pub use table::{Cell, Column, Table, inert, is_formula};

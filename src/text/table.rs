@@ -3,6 +3,7 @@
 use std::{borrow::Cow, cmp::Ordering, fmt};
 
 use jiff::Timestamp;
+use serde::{Serialize as _, Serializer};
 use serde_json::{Map, Value};
 
 /// A typed value. [`Display`](fmt::Display) writes it as the cell of a CSV file.
@@ -115,6 +116,11 @@ impl<T: Into<Self>> From<Option<T>> for Cell {
     fn from(value: Option<T>) -> Self {
         value.map_or(Self::Missing, Into::into)
     }
+}
+
+/// Serializes a number as the JSON of its cell, so that infinity is a word; serde's would be null, as a missing value is.
+pub(crate) fn as_cell<S: Serializer>(number: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+    Cell::from(*number).json().serialize(serializer)
 }
 
 /// Makes a text safe for spreadsheets: if a spreadsheet would treat it as a formula (it begins with `=`, `+`, `-`, `@`, a

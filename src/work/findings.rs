@@ -2,7 +2,7 @@
 //! be analyzed, and what each result would mean. What only its author knows is in square brackets.
 
 use super::{
-    plan::{OPTIONS, Plan, Planned},
+    plan::{Plan, Planned},
     words,
 };
 use crate::{
@@ -34,9 +34,17 @@ impl Planned {
         }
     }
 
-    /// Returns a sentence for each term and factor, followed by remarks. `fields` are the names of effects and of
-    /// deviations where they are given.
-    pub fn sentences(&self, fields: [&str; 2]) -> Vec<String> {
+    /// Returns what was found, and what else can be asked. `effects` and `deviations` are the names of the fields in which they are
+    /// given.
+    pub fn sentences(&self, [effects, deviations]: [&str; 2]) -> Vec<String> {
+        let has_none = self.plan.hypotheses.iter().all(|hypothesis| hypothesis.effect.is_none());
+        let hint = has_none.then(|| format!("No factor has an effect on this observer. Add an effect with {effects}."));
+        let other = format!("{deviations} lets participants differ in an effect.");
+        self.findings().into_iter().chain(hint).chain([other]).collect()
+    }
+
+    /// Returns a sentence for each term and factor, followed by the limitations of the findings.
+    fn findings(&self) -> Vec<String> {
         let indices: Vec<usize> = (0..self.plan.hypotheses.len()).collect();
         let term = |index: usize| &self.plan.hypotheses[index].term;
         let mut sentences: Vec<String> =
@@ -52,7 +60,20 @@ impl Planned {
                 self.test(power)
             ));
         }
-        sentences.extend(self.remarks(fields));
+        if self.powers.iter().any(|power| power.participants == 1) {
+            let text =
+                "With one participant, the model has no random intercept, so its findings apply only to that person.";
+            sentences.push(text.to_owned());
+        }
+        sentences.push(self.differences());
+        let known = Some(self.protocol.stimulus.parameters());
+        for slope in self.plan.unmodeled() {
+            sentences.push(format!(
+                "The simulated participants differ in the effect of {}, but the model has no random slope of it, so it finds \
+                 this effect too often.",
+                names::factor(known, &slope.factor)
+            ));
+        }
         sentences
     }
 
@@ -70,8 +91,9 @@ impl Planned {
                 "For this observer, {words} has no effect. The false-alarm rate, expected to be {}, is {}.",
                 percent(self.sampling.alpha),
                 clauses(&|powers| {
-                    let shares: Vec<String> = powers.iter().map(|power| found(power)).collect();
-                    format!("{} with {}", shares.join(", "), self.test(powers[powers.len() - 1]))
+                    let share = |power: &&Power| format!("{} with {}", found(power), people(power.participants));
+                    let shares: Vec<String> = powers.iter().map(share).collect();
+                    format!("{} by {}", list(&shares), self.test(powers[powers.len() - 1]))
                 })
             ),
             Some(Effect { logits: effect, above, below }) => {
@@ -104,31 +126,8 @@ impl Planned {
         }
     }
 
-    /// States the limitations of the findings.
-    fn remarks(&self, [effects, deviations]: [&str; 2]) -> Vec<String> {
-        let mut remarks = Vec::new();
-        if self.plan.hypotheses.iter().all(|hypothesis| hypothesis.effect.is_none()) {
-            remarks.push(format!("No factor has an effect on this observer. Add an effect with {effects}."));
-        }
-        if self.powers.iter().any(|power| power.participants == 1) {
-            let text =
-                "With one participant, the model has no random intercept, so its findings apply only to that person.";
-            remarks.push(text.to_owned());
-        }
-        remarks.push(self.differences(deviations));
-        let known = Some(self.protocol.stimulus.parameters());
-        for slope in self.plan.unmodeled() {
-            remarks.push(format!(
-                "The simulated participants differ in the effect of {}, but the model has no random slope of it, so it finds \
-                 this effect too often.",
-                names::factor(known, &slope.factor)
-            ));
-        }
-        remarks
-    }
-
-    /// Says how the simulated participants differ, and where to say how much.
-    fn differences(&self, field: &str) -> String {
+    /// Says how the simulated participants differ.
+    fn differences(&self) -> String {
         let sd = self.plan.observer().subject_sd;
         let intercepts = (sd > 0.0).then(|| format!("in their intercepts (sd {})", logits(sd)));
         let known = Some(self.protocol.stimulus.parameters());
@@ -138,9 +137,7 @@ impl Planned {
         let slopes = self.plan.slopes().iter().filter(|slope| slope.sd > 0.0).map(slope);
         let all: Vec<String> = intercepts.into_iter().chain(slopes).collect();
         let differ = if all.is_empty() { "are identical".to_owned() } else { format!("differ {}", list(&all)) };
-        format!(
-            "The simulated participants {differ}. If real ones differ more, power is lower; {field} lets them differ in an effect."
-        )
+        format!("The simulated participants {differ}. If real ones differ more, power is lower.")
     }
 }
 
@@ -196,7 +193,7 @@ impl Plan {
             distance_cm = protocol.viewing.distance_cm,
             window_deg = protocol.viewing.window_deg,
             decision = planned.sample_size(),
-            found = bullets(planned.sentences(OPTIONS)),
+            found = bullets(planned.findings()),
             link = spec.link,
             terms = list(&spec.terms.iter().map(|term| planned.in_words(term)).collect::<Vec<_>>()),
             effects = effects,

@@ -427,6 +427,15 @@ fn sentences_agree() {
             let none = cautions.iter().filter_map(of).any(|named| named.split(' ').any(|word| word == factor));
             assert!(!none || unclear, "{factor}; {all}");
         }
+        for text in findings.iter().filter(|text| text.starts_with("By ")) {
+            // The means at two levels, and the odds at the second one relative to the first.
+            let means = text.split(" at ").filter_map(|part| part.rsplit(' ').next()?.parse::<f64>().ok());
+            let odds = text.split("are an estimated ").nth(1).and_then(|rest| rest.split(' ').next());
+            if let ([first, second, ..], Some(Ok(odds))) = (&means.collect::<Vec<_>>()[..], odds.map(str::parse::<f64>))
+            {
+                assert!((second - first) * odds.ln() >= 0.0, "{text}");
+            }
+        }
         for text in findings.iter().chain(&cautions) {
             assert!(!["NaN", "..", "  ", " ,"].iter().any(|wrong| text.contains(wrong)), "{text}");
         }

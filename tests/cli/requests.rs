@@ -20,7 +20,7 @@ use proptest::prelude::*;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-use crate::common::{change_rating, everything, machband, session_csv, split, succeeds, text};
+use crate::common::{change_rating, everything, machband, records, session_csv, split, succeeds, text};
 
 fn fields(value: Value) -> Map<String, Value> {
     value.as_object().unwrap().clone()
@@ -171,6 +171,16 @@ fn rows(csv: &[u8]) -> Vec<Vec<(String, String)>> {
     reader.records().map(|row| pairs(row.unwrap())).collect()
 }
 
+/// Whether the cell of a CSV file has a value of JSON.
+fn is_equal(cell: &str, value: &Value) -> bool {
+    match value {
+        Value::Null => cell.is_empty(),
+        Value::Number(number) => cell.parse() == Ok(number.as_f64().unwrap()),
+        Value::String(text) => !text.is_empty() && cell == inert(text),
+        _ => false,
+    }
+}
+
 /// Checks that every value is in both, and is the same.
 fn same(csv: &[u8], json: &[Map<String, Value>], what: &str) {
     let rows = rows(csv);
@@ -178,13 +188,7 @@ fn same(csv: &[u8], json: &[Map<String, Value>], what: &str) {
     for (row, object) in rows.iter().zip(json) {
         assert!(row.iter().map(|(name, _)| name).eq(object.keys()), "{what}: {row:?} {object:?}");
         for (name, cell) in row {
-            let equal = match &object[name] {
-                Value::Null => cell.is_empty(),
-                Value::Number(number) => cell.parse() == Ok(number.as_f64().unwrap()),
-                Value::String(text) => !text.is_empty() && *cell == inert(text),
-                _ => false,
-            };
-            assert!(equal, "{what}: {name} is {cell:?} in CSV and {} in JSON", object[name]);
+            assert!(is_equal(cell, &object[name]), "{what}: {name} is {cell:?} in CSV and {} in JSON", object[name]);
         }
     }
 }
@@ -224,6 +228,25 @@ fn every_cell_is_the_same_in_csv_and_in_json() {
         let found: serde_json::Value = serde_json::from_str(&found).unwrap();
         assert_eq!(found["picture"], name);
     }
+}
+
+/// All ratings at b are alike, so that its coefficient is infinite and has no standard error.
+#[test]
+fn a_model_says_what_its_tables_say() {
+    let folder = tempfile::tempdir().unwrap();
+    let row = |i: usize| format!("p{},{},{}\n", i % 5, ["a", "b", "c"][i % 3], if i % 3 == 1 { 1 } else { i / 7 % 2 });
+    let rows: String = (0..90).map(row).collect();
+    fs::write(folder.path().join("d.csv"), format!("subject_id,level,rating\n{rows}")).unwrap();
+    succeeds(folder.path(), &split("analyze d.csv --factors level --draws 99 --tables-only --out a"));
+    let out = folder.path().join("a");
+    let model: Value = serde_json::from_slice(&fs::read(out.join("model.json")).unwrap()).unwrap();
+    let coefficients = model["coefficients"].as_array().unwrap();
+    for (row, own) in records(&out.join("coefficients.csv")).iter().zip(coefficients) {
+        for name in ["name", "estimate", "se", "z", "p"] {
+            assert!(is_equal(&row[name], &own[name]), "{name}: {row:?} {own}");
+        }
+    }
+    assert_eq!((&coefficients[0]["estimate"], &coefficients[0]["se"]), (&"inf".into(), &Value::Null));
 }
 
 proptest! {

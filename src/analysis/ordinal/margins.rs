@@ -47,6 +47,7 @@ pub struct Comparison {
     /// Whether it is a mean over the levels of the factors with which this one interacts.
     pub average: bool,
     /// How much higher `level`, which is the later one in natural order, is rated than `other`.
+    #[serde(serialize_with = "crate::text::as_cell")]
     pub estimate: f64,
     /// The model's expected ratings at both levels, for a participant whose random effects are 0; `None` for a number.
     pub expected: Option<[f64; 2]>,

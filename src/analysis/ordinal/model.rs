@@ -85,6 +85,7 @@ pub struct Threshold {
     /// The two categories that it separates, such as `0|1`.
     pub name: String,
     /// Estimate on the scale of the link; infinite if there is no finite estimate.
+    #[serde(serialize_with = "crate::text::as_cell")]
     pub estimate: f64,
     /// Standard error from the observed information.
     pub se: Option<f64>,
@@ -100,6 +101,7 @@ pub struct Coefficient {
     /// What it stands for: each variable of the term, with its level.
     pub parts: Vec<TermPart>,
     /// Estimate on the scale of the link; infinite if there is no finite estimate.
+    #[serde(serialize_with = "crate::text::as_cell")]
     pub estimate: f64,
     /// Standard error from the observed information.
     pub se: Option<f64>,

@@ -89,12 +89,18 @@ pub fn p_is(p: f64) -> String {
 
 /// Formats a ratio with about three significant digits.
 pub fn ratio(number: f64) -> Shown {
+    let decimals = |n| fixed(number, n);
     match number {
-        n if n >= 1e6 && n.is_finite() => Shown::new(n, "> 1,000,000"),
-        n if n >= 999.5 && n.is_finite() => Shown::new(n, whole(n.round() as u64).to_string()),
-        n if n > 0.0 && n < 0.001 => Shown::new(n, "< 0.001"),
-        // What rounds up to a power of ten has one decimal less.
-        n => significant(n, 1.000_501 * n, 1.000_501 * n),
+        n if !n.is_finite() => decimals(0),
+        n if n >= 1e6 => Shown::new(n, "> 1,000,000"),
+        n if n >= 999.5 => Shown::new(n, whole(n.round() as u64).to_string()),
+        n if n >= 99.95 => decimals(0),
+        n if n >= 9.995 => decimals(1),
+        n if n >= 0.0995 => decimals(2),
+        n if n >= 0.00995 => decimals(3),
+        n if n >= 0.001 => decimals(4),
+        0.0 => decimals(0),
+        n => Shown::new(n, "< 0.001"),
     }
 }
 

@@ -21,12 +21,7 @@ pub use svg::{Figure, Pixels, Plotted};
 
 /// Draws every chart for which there are data, in report order.
 pub fn all(results: &Results) -> Vec<Figure> {
-    let kinds: [fn(&Results) -> Vec<Figure>; 5] = [
-        ratings::figures,
-        |results| ratings::proportions(results).into_iter().collect(),
-        |results| ratings::participants(results).into_iter().collect(),
-        |results| ratings::orientation(results).into_iter().collect(),
-        |results| tasks::effects(results).into_iter().collect(),
-    ];
-    kinds.par_iter().flat_map_iter(|kind| kind(results)).collect()
+    let kinds = [ratings::proportions, ratings::participants, ratings::orientation, tasks::effects];
+    let others: Vec<Option<Figure>> = kinds.par_iter().map(|kind| kind(results)).collect();
+    ratings::figures(results).into_iter().chain(others.into_iter().flatten()).collect()
 }

@@ -83,7 +83,8 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
         };
     // If no test distinguishes the levels, the two extremes may differ only by chance, so their contrast is not
     // reported.
-    let chosen = factor.contrast().1 && !is_trend;
+    let is_of_levels = !is_trend || size.as_ref().is_some_and(|size| size.is_of_means);
+    let chosen = factor.contrast().1 && is_of_levels;
     if evidence.p < ALPHA || !chosen {
         text.extend(size.map(|size| format!(" {}.", size.text)));
     }

@@ -1,6 +1,8 @@
 //! Describes interactions in sentences: whether effects depend on each other, and the effect of one factor at each level
 //! of the other.
 
+use std::collections::BTreeMap;
+
 use super::{
     findings::{
         ALPHA, evidence, is_clustered, is_slope, likelihood_ratio, main_effect, on_scale, over_range, range_of,
@@ -15,7 +17,7 @@ use crate::{
         summary::Group,
         terms::Variable,
     },
-    report::document::{fixed, list, mean, p_is, with_interval},
+    report::document::{either, fixed, list, mean, p_is, with_interval},
     statistics::mean_and_sd,
 };
 
@@ -94,15 +96,26 @@ pub(super) fn is_dependent(dependences: &[Dependence<'_>], name: &str) -> bool {
     dependences.iter().any(|found| found.is_clear() && found.names.contains(&name))
 }
 
+/// Says which interactions could not be tested; those with the same reason are in one sentence.
+pub(super) fn untested(results: &Results, dependences: &[Dependence<'_>]) -> Vec<String> {
+    let mut by_reason = BTreeMap::<String, Vec<String>>::new();
+    for found in dependences.iter().filter(|found| found.test.p.is_none()) {
+        let reason = found.test.withheld.map_or_else(String::new, |reason| format!(": {reason}"));
+        let all = by_reason.entry(reason).or_default();
+        all.push(format!("{}{}", if all.is_empty() { "" } else { "of " }, found.names(results)));
+    }
+    let told = |(reason, effects): (String, Vec<String>)| {
+        format!("Whether the effects of {} depend on each other could not be tested{reason}.", either(&effects))
+    };
+    by_reason.into_iter().map(told).collect()
+}
+
 /// Describes an interaction: the effect of one factor at each level of the other; `None` if there is nothing to say.
 pub(super) fn interaction(results: &Results, found: &Dependence<'_>) -> Option<String> {
     let together = found.names(results);
     let what = if results.is_inferential() { "This study" } else { "These trials" };
     let fact = format!("the effects of {together} depend on each other");
-    let Some(p) = found.test.p else {
-        let reason = found.test.withheld.map_or_else(String::new, |reason| format!(": {reason}"));
-        return Some(format!("Whether {fact} could not be tested{reason}."));
-    };
+    let p = found.test.p?;
     if p >= ALPHA {
         let text = format!("{what} cannot tell whether {fact} ({}).", p_is(p));
         return found.is_modeled.then_some(text);
@@ -259,24 +272,27 @@ pub(super) fn covariate(results: &Results, dependences: &[Dependence<'_>], name:
     Some(verdict(&shown, &ratio_test(test), p) + &size)
 }
 
-/// Returns the names of the factors and covariates of which no effect was found, and of which only a linear one was
-/// sought.
-pub(super) fn unclear(results: &Results) -> Vec<String> {
+/// Returns the names of the factors and covariates of which no effect was found, and of those of which no linear trend was.
+pub(super) fn unclear(results: &Results) -> [Vec<String>; 2] {
     let dependences = dependences(results);
     let of_factor = |factor: &FactorResults| {
         let evidence = evidence(results, factor)?;
         let is_linear = !evidence.is_rank_test && is_slope(results, &factor.name);
-        Some((factor.name.clone(), evidence.p, if is_linear { " as a linear trend" } else { "" }))
+        Some((factor.name.clone(), evidence.p, is_linear))
     };
     let of_covariate =
-        |name: &String| Some((name.clone(), likelihood_ratio(results, main_effect(results, name)?)?.p?, ""));
+        |name: &String| Some((name.clone(), likelihood_ratio(results, main_effect(results, name)?)?.p?, false));
     let notes = results.model.iter().flat_map(|report| &report.model.notes);
     // The effect of a factor includes that of what it determines.
     let nested: Vec<&String> =
         notes.filter_map(|note| if let Note::Nested { factor, .. } = note { Some(factor) } else { None }).collect();
-    let is_unclear = |(name, p, _): &(String, f64, &str)| {
+    let is_unclear = |(name, p, _): &(String, f64, bool)| {
         *p >= ALPHA && !is_dependent(&dependences, name) && !nested.contains(&name)
     };
     let all = names::varied(results).filter_map(of_factor).chain(results.covariates.iter().filter_map(of_covariate));
-    all.filter(is_unclear).map(|(name, _, linear)| format!("{}{linear}", names::factor(results, &name))).collect()
+    let unclear: Vec<_> = all.filter(is_unclear).collect();
+    [false, true].map(|linear| {
+        let own = unclear.iter().filter(|(.., is_linear)| *is_linear == linear);
+        own.map(|(name, ..)| names::factor(results, name)).collect()
+    })
 }

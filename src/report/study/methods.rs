@@ -1,13 +1,8 @@
 //! The methods section for a paper, with references.
 
-use super::{findings, health, names};
+use super::{findings, health, model::is_additive, names};
 use crate::{
-    analysis::{
-        Model, RandomSlope, Results, TermTest,
-        rank_tests::PMethod,
-        results::FactorResults,
-        terms::{Term, Variable},
-    },
+    analysis::{Model, RandomSlope, Results, TermTest, rank_tests::PMethod, results::FactorResults, terms::Variable},
     experiment::{Protocol, ResponseScale},
     report::document::{Section, count, fixed, list, times},
     store::ratings::Source,
@@ -50,7 +45,7 @@ fn procedure(source: &Source, results: &Results) -> String {
 
 fn shown(protocol: &Protocol) -> String {
     let answers = names::categories_of(protocol).join(", ");
-    let scale = if protocol.response == ResponseScale::default() { " (scale of Bangay)" } else { "" };
+    let scale = if protocol.response == ResponseScale::default() { ", on the scale of Bangay" } else { "" };
     let times = times(protocol.design.repetitions);
     format!(
         " Each session was planned to show every condition {times}, after {}. A uniform field of relative luminance {} was \
@@ -141,8 +136,7 @@ fn model(results: &Results) -> Vec<String> {
             _ => Some(format!("{SIGNS}, corrected with Holm’s method (Holm, 1979).")),
         },
         model.coefficients.iter().any(|own| own.interval.is_some()).then(|| {
-            let is_additive = results.spec.terms.iter().all(Term::is_main);
-            let simple = if is_additive { "" } else { "; those of simple effects are Wald intervals" };
+            let simple = if is_additive(results) { "" } else { "; those of simple effects are Wald intervals" };
             format!("The 95\u{a0}% intervals of coefficients are profile-likelihood intervals{limits}{simple}.")
         }),
         report.comparisons.iter().any(|own| own.p_holm.is_some()).then(|| COMPARED.to_owned()),

@@ -153,7 +153,8 @@ fn margins(section: &mut Section, results: &Results, report: &ModelReport) {
         .add_to(section);
 }
 
-fn is_additive(results: &Results) -> bool {
+/// True if the model has no interaction.
+pub(super) fn is_additive(results: &Results) -> bool {
     results.spec.terms.iter().all(Term::is_main)
 }
 
@@ -273,7 +274,11 @@ fn tests(section: &mut Section, results: &Results, report: &ModelReport) {
     for (kind, reason) in withheld {
         let own = rows.iter().filter(|(own, test)| *own == kind && test.withheld == Some(reason));
         let terms: Vec<String> = own.map(|(_, test)| names::term(results, &test.term)).collect();
-        let of = if kind == "effect" { "" } else { "interaction of " };
+        let of = match (kind, terms.len()) {
+            ("effect", _) => "",
+            (_, 1) => "the interaction ",
+            _ => "the interactions ",
+        };
         section.note(format!("No p for {of}{}: {reason}.", list(&terms)));
     }
 }

@@ -54,6 +54,7 @@ pub fn summary(source: &Source, results: &Results) -> Summary {
     findings.extend(alone.map(|factor| findings::finding(results, factor)));
     findings.extend(results.covariates.iter().filter_map(|name| interactions::covariate(results, &dependences, name)));
     findings.extend(others.iter().filter_map(|found| interactions::interaction(results, found)));
+    findings.extend(interactions::untested(results, &dependences));
     Summary { lead: lead(source, results), findings, cautions: cautions(source, results) }
 }
 
@@ -178,14 +179,14 @@ fn problems(problems: &[FileError], what: &str) -> Option<String> {
 
 /// Warns that a missing effect proves nothing: absence of evidence is not evidence of absence.
 fn nothing_found(results: &Results) -> Option<String> {
-    let unclear = interactions::unclear(results);
+    let [effects, trends] = interactions::unclear(results);
+    let none = [("effect of", effects), ("linear trend with", trends)].into_iter().filter(|(_, of)| !of.is_empty());
+    let none: Vec<String> = none.map(|(what, of)| format!("no clear {what} {}", either(&of))).collect();
     let what = match results.people() {
         1 => "These trials of one participant".to_owned(),
         people => format!("This study, with {},", count(people as u64, "participant")),
     };
-    let unclear_list = either(&unclear);
-    (!unclear.is_empty())
-        .then(|| format!("{what} found no clear effect of {unclear_list}. This does not show that there is none."))
+    (!none.is_empty()).then(|| format!("{what} found {}. This does not show that there is none.", list(&none)))
 }
 
 /// Says what readers must know about the model before they read its numbers.
