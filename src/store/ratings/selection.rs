@@ -261,25 +261,19 @@ impl Input {
         self.header.first.as_ref()?.get(index).map(String::as_str)
     }
 
-    /// Returns the columns that are neither standard columns of a result file nor named for another use.
+    /// Returns the columns that are neither standard columns of a result file nor named for another use. Columns without a
+    /// name are excluded too, because they contain row numbers from R or pandas.
     fn other_columns(&self, options: &ReadOptions) -> Vec<String> {
-        let fixed = columns_by_header(std::iter::empty());
-        let named = [self.subject(options), options.response(), options.time(), SIMULATED];
-        let named = named.into_iter().chain(options.order.as_deref());
-        let known = fixed.iter().map(|column| column.name.as_str()).chain(named);
-        let known: HashSet<usize> = known.filter_map(|name| self.header.position(name)).collect();
-        let names = self.header.names.iter().enumerate();
-        names.filter(|(i, name)| !name.is_empty() && !known.contains(i)).map(|(_, name)| name.clone()).collect()
-    }
-
-    /// Returns all columns except participant, response and count. Columns without a name are excluded too, because
-    /// they contain row numbers from R or pandas.
-    fn factors(&self, options: &ReadOptions) -> Vec<String> {
-        let known = [self.subject(options), options.response(), options.count()];
-        let is_response = |name: &String| options.wide.as_ref().is_some_and(|(_, columns)| columns.contains(name));
-        let is_known =
-            |name: &String| name.is_empty() || name == SIMULATED || known.contains(&name.as_str()) || is_response(name);
-        self.header.names.iter().filter(|name| !is_known(name)).cloned().collect()
+        let (standard, count) = match self.layout {
+            Layout::Results => (columns_by_header(std::iter::empty()), None),
+            Layout::Counts | Layout::Long => (Vec::new(), Some(options.count())),
+        };
+        let named = [self.subject(options), options.response(), options.time(), SIMULATED].into_iter();
+        let wide = options.wide.iter().flat_map(|(_, columns)| columns).map(String::as_str);
+        let named = named.chain(count).chain(options.order.as_deref()).chain(wide);
+        let known: HashSet<&str> = standard.iter().map(|column| column.name.as_str()).chain(named).collect();
+        let names = self.header.names.iter().filter(|name| !name.is_empty() && !known.contains(name.as_str()));
+        names.cloned().collect()
     }
 }
 
@@ -325,7 +319,7 @@ fn kind(file: &Input, options: &ReadOptions) -> Result<String, FileError> {
             Ok(format!("a session of the experiment {name} ({details})"))
         }
         Layout::Counts if options.factors.is_none() => {
-            let mut factors = file.factors(options);
+            let mut factors = file.other_columns(options);
             factors.sort();
             Ok(format!("a table of counts by {}", factors.join(", ")))
         }
@@ -344,7 +338,7 @@ fn without_factors(file: &Input, options: &ReadOptions) -> FileError {
     {
         return first;
     }
-    let others = file.factors(options);
+    let others = file.other_columns(options);
     let message = if others.is_empty() {
         "no factors were given, and the file has no other columns; expected a column for each factor".to_owned()
     } else {
@@ -399,7 +393,7 @@ fn shape(
             let stimulus = STIMULUS.into_iter().filter(|name| first.header.position(name).is_some());
             stimulus.map(str::to_owned).chain(first.other_columns(options)).collect()
         }
-        (None, None, Layout::Counts) => first.factors(options),
+        (None, None, Layout::Counts) => first.other_columns(options),
         (None, None, Layout::Long) => Vec::new(),
     };
     // `inv_n` is 1/n for the depth n; it is a term and not a column.
