@@ -151,8 +151,8 @@ fn about_names(selection: &Selection, options: &ReadOptions, tables: &[Rows]) ->
 /// Says which IDs of participants look alike, and which ones a spreadsheet has rounded, such as 5.1E+23.
 pub(super) fn about_ids(file: &str, column: &[&Texts]) -> impl Iterator<Item = FileError> {
     let is_digits = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit() || b".,".contains(&byte));
-    let is_rounded = |id: &&Box<str>| id.split_once("E+").is_some_and(|(a, b)| is_digits(a) && is_digits(b));
-    let rounded = column.iter().flat_map(|file| &file.texts).find(is_rounded).map(|id| {
+    let is_rounded = |id: &&str| id.split_once("E+").is_some_and(|(a, b)| is_digits(a) && is_digits(b));
+    let rounded = column.iter().flat_map(|file| &file.texts).map(AsRef::as_ref).find(is_rounded).map(|id| {
         let message = format!("the ID {id} is a rounded number, and may stand for several; expected IDs as text");
         FileError::whole(file, message)
     });

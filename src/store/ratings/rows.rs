@@ -335,16 +335,17 @@ fn common_form(id: &str) -> String {
 /// are whole from 100, or have two marks: then the mark may separate thousands.
 fn with_thousands(texts: &[Box<str>], mark: char) -> Option<&str> {
     let is_whole = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
-    let is_grouped = |text: &&str| {
+    let is_grouped = |text: &str| {
         let (first, others) = text.trim_start_matches('-').split_once(mark).unwrap_or_default();
         let is_first = (1..=3).contains(&first.len()) && !first.starts_with('0') && is_whole(first);
         is_first && others.split(mark).all(|part| part.len() == 3 && is_whole(part))
     };
     let is_large =
-        |text: &Box<str>| text.len() > 2 && is_whole(text) && !text.starts_with('0') || text.matches(mark).count() > 1;
-    let mut marked = texts.iter().map(|text| &**text).filter(|text| text.contains(mark));
+        |text: &str| text.len() > 2 && is_whole(text) && !text.starts_with('0') || text.matches(mark).count() > 1;
+    let all = texts.iter().map(AsRef::as_ref);
+    let mut marked = all.clone().filter(|text: &&str| text.contains(mark));
     let first = marked.clone().next()?;
-    (marked.all(|text| is_grouped(&text)) && texts.iter().any(is_large)).then_some(first)
+    (marked.all(is_grouped) && all.into_iter().any(is_large)).then_some(first)
 }
 
 /// Returns the number in a cell; `None` for other texts and missing values.

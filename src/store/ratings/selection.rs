@@ -6,8 +6,6 @@ use std::{
     sync::Arc,
 };
 
-use serde_json::{Map, Value};
-
 use super::{
     files::{Header, SUBJECT},
     source::{Layout, ReadOptions, Shape},
@@ -33,7 +31,6 @@ pub(super) struct Input {
     pub columns: Columns,
     /// True if there is a sidecar, even if it has errors.
     pub has_sidecar: bool,
-    /// The sidecar, without the parts that only a verification needs.
     pub sidecar: Option<Arc<Sidecar>>,
     pub protocol: Option<Protocol>,
     /// Files of the session that differ from the hashes recorded when it ended.
@@ -121,8 +118,6 @@ impl Selection {
         inputs.retain_mut(|file| match columns(file, &shape.factors, options) {
             Ok(columns) => {
                 file.columns = columns;
-                // From here on, it only matters whether there is a first row.
-                file.header.first = file.header.first.take().map(|_| Vec::new());
                 true
             }
             Err(found) => {
@@ -155,14 +150,6 @@ impl Columns {
     }
 }
 
-/// Drops the parts of a sidecar that an analysis does not use, because there may be thousands of sidecars.
-fn shorten(sidecar: &mut Sidecar) {
-    (sidecar.context, sidecar.definition) = (Value::Null, Value::Null);
-    (sidecar.onset, sidecar.generator) = (String::new(), String::new());
-    sidecar.columns = Map::new();
-    sidecar.sittings.iter_mut().filter_map(|sitting| sitting.pictures.as_mut()).for_each(|all| all.sha256.clear());
-}
-
 impl Input {
     /// Inspects a file. An error in its sidecar does not prevent its rows from being read.
     ///
@@ -181,7 +168,7 @@ impl Input {
                 Err(StoreError::FileErrors(found)) => errors.extend(found.0),
                 Err(error) => return Err(error),
             }
-            if let Some(sidecar) = &mut sidecar {
+            if let Some(sidecar) = &sidecar {
                 changed = seal::errors(path, sidecar)?;
                 match definition::from_json(&name, &sidecar.definition) {
                     Ok(found) => {
@@ -190,7 +177,6 @@ impl Input {
                     }
                     Err(found) => errors.extend(found.0),
                 }
-                shorten(sidecar);
             }
         }
         let sidecar = sidecar.map(Arc::new);
