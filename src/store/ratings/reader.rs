@@ -271,17 +271,14 @@ fn warnings(inputs: &[Input]) -> Result<Vec<FileError>, FileErrors> {
             warnings.push(FileError::whole(&input.path, message));
         }
     }
-    warnings.extend(counts_warning(inputs));
+    let counts = inputs.iter().find(|input| input.layout == Layout::Counts);
+    warnings.extend(counts.map(|first| {
+        let message = "is a table of counts, so it is not known whether ratings are simulated, or when and in which order they \
+                       were given; expected the result files for test–retest agreement, response times, sessions, and the \
+                       prediction of the vision model";
+        FileError::whole(&first.path, message)
+    }));
     Ok(warnings)
-}
-
-/// Returns the warning about what tables of counts do not contain; `None` if there are no such tables.
-fn counts_warning(inputs: &[Input]) -> Option<FileError> {
-    let first = inputs.iter().find(|input| input.layout == Layout::Counts)?;
-    let message = "is a table of counts, so it is not known whether ratings are simulated, or when and in which order they were \
-                   given; expected the result files for test–retest agreement, response times, sessions, and the prediction of the \
-                   vision model";
-    Some(FileError::whole(&first.path, message))
 }
 
 /// Returns the sessions of all result files, and determines how the rows of these files are used.
