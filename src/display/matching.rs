@@ -231,7 +231,7 @@ pub fn estimate(matches: &[Match]) -> Vec<(Channel, Result<ChannelGamma, String>
         let own: Vec<Match> = matches.iter().filter(|one| one.channel == channel).copied().collect();
         (!own.is_empty()).then(|| (channel, channel_gamma(channel, &own)))
     };
-    Channel::ALL.into_iter().filter_map(of).collect()
+    Channel::ALL.iter().copied().filter_map(of).collect()
 }
 
 /// A match means (c/255)^γ = share, so ln(255/c), the quantity that varies from match to match, equals |ln share|/γ.

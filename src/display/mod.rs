@@ -7,6 +7,6 @@ pub mod matching;
 pub mod photometer;
 pub mod profile;
 
-pub use channel::Channel;
+pub use channel::{Channel, UnknownChannel};
 pub use geometry::{Monitor, Screen, Viewing};
 pub use profile::{DisplayProfile, LuminanceRange, Measurement, Primaries};

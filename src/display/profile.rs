@@ -13,23 +13,27 @@ pub const VALID_DAYS: i32 = 30;
 ///
 /// Linear light, 0…1, is the light that a code adds to the screen's black, relative to the light that the largest code
 /// adds. [`DisplayProfile::luminance`] gives the luminance of both ends.
-#[derive(Clone, Debug, PartialEq)]
+///
+/// It is stored in this form, without what is not known.
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DisplayProfile {
     pub name: String,
     /// How encoded values become linear light, channel by channel.
+    #[serde(rename = "transfer")]
     pub transfers: Transfers,
     /// Luminance of code 0 and of the largest code in all channels, if measured.
+    #[serde(flatten)]
     pub luminance: Option<LuminanceRange>,
-    /// Chromaticities of the channels and of white, if known.
-    pub primaries: Option<Primaries>,
     /// Bits per channel that the panel itself shows, if known.
     pub bits: Option<u8>,
-    /// Who measured the screen, when, and with what; `None` for an assumption.
-    pub measured: Option<Measurement>,
     /// Width of the visible part of the screen in cm, if known.
     pub screen_width_cm: Option<f64>,
     /// The native pixels of the screen, columns and rows, if known.
     pub native_px: Option<[u32; 2]>,
+    /// Who measured the screen, when, and with what; `None` for an assumption.
+    pub measured: Option<Measurement>,
+    /// Chromaticities of the channels and of white, if known.
+    pub primaries: Option<Primaries>,
 }
 
 /// Black and white of a screen, cd/m².

@@ -1,6 +1,6 @@
 //! A table in memory, such as a data frame, and columns in which equal texts are stored once.
 
-use std::{collections::HashMap, hash::Hash};
+use std::collections::HashMap;
 
 use super::FileErrors;
 
@@ -12,7 +12,7 @@ impl Columns {
     /// Adds a column of whole numbers.
     #[must_use]
     pub fn with_whole(self, name: &str, numbers: &[i64]) -> Self {
-        self.with(name, Texts::of(numbers.iter().copied(), |number| number.to_string()))
+        self.with(name, Texts::of(numbers.iter().map(i64::to_string)))
     }
 
     /// Adds a column of text of which each different text is given once, with its index in each row; an index without a
@@ -31,12 +31,9 @@ impl Columns {
     /// value.
     #[must_use]
     pub fn with_numbers(self, name: &str, numbers: impl IntoIterator<Item = f64>) -> Self {
-        let text = |bits: u64| match f64::from_bits(bits) {
-            number if number.is_nan() => String::new(),
-            // The sum turns −0 into 0.
-            number => (number + 0.0).to_string(),
-        };
-        self.with(name, Texts::of(numbers.into_iter().map(f64::to_bits), text))
+        // The sum turns −0 into 0.
+        let text = |number: f64| if number.is_nan() { String::new() } else { (number + 0.0).to_string() };
+        self.with(name, Texts::of(numbers.into_iter().map(text)))
     }
 
     fn with(mut self, name: &str, column: Texts) -> Self {
@@ -51,7 +48,8 @@ impl Columns {
         match (other, self.0.first()) {
             (_, None) => Err(FileErrors::whole(name, "has no columns; expected columns with names")),
             (Some((other, column)), Some((first, _))) => {
-                let message = format!("the column {other} has {} rows; expected {rows}, as in {first}", column.cells.len());
+                let message =
+                    format!("the column {other} has {} rows; expected {rows}, as in {first}", column.cells.len());
                 Err(FileErrors::whole(name, message))
             }
             (None, Some(_)) => Ok(()),
@@ -84,16 +82,10 @@ pub(super) struct Texts {
 }
 
 impl Texts {
-    /// Returns a column of which equal cells have the same key, and `text` returns the text of a key.
-    fn of<K: Copy + Eq + Hash>(keys: impl Iterator<Item = K>, text: impl Fn(K) -> String) -> Self {
-        let (mut index, mut texts) = (HashMap::new(), Vec::new());
-        let cell = |key: K| {
-            *index.entry(key).or_insert_with(|| {
-                texts.push(text(key).into());
-                texts.len() as u32 - 1
-            })
-        };
-        Self { cells: keys.map(cell).collect(), texts }
+    fn of(cells: impl Iterator<Item = String>) -> Self {
+        let mut texts = Interner::default();
+        cells.for_each(|cell| texts.push(&cell));
+        texts.finish()
     }
 
     /// Returns the text in a row.

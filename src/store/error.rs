@@ -2,7 +2,6 @@
 
 use std::{
     collections::BTreeMap,
-    fmt::Write as _,
     io::ErrorKind,
     path::{Path, PathBuf},
 };
@@ -29,14 +28,16 @@ const MAX_MESSAGE: usize = 2000;
 
 impl std::fmt::Display for FileError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        // An error is one line, whatever a file is called.
-        for c in self.file.chars() {
-            if c.is_control() { write!(f, "{}", c.escape_default())? } else { f.write_char(c)? }
-        }
+        // An error is one line, whatever a file or a column is called.
+        let line = |text: &str| -> String {
+            let each = text.chars().map(|c| if c.is_control() { c.escape_default().to_string() } else { c.into() });
+            each.collect()
+        };
+        f.write_str(&line(&self.file))?;
         if let Some((line, column)) = self.position {
             write!(f, ":{line}:{column}")?;
         }
-        let message = &self.message;
+        let message = line(&self.message);
         if message.len() <= MAX_MESSAGE {
             return write!(f, ": {message}");
         }

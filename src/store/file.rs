@@ -258,29 +258,24 @@ pub(super) const ABANDONED: Duration = Duration::from_secs(60);
 /// The same for the folder of an export.
 const ABANDONED_FOLDER: Duration = Duration::from_secs(24 * 60 * 60);
 
-/// Removes the temporary files that killed programs left in a folder, if they belong to files whose names `are_ours`.
-/// Only regular files with the marker of this program that are older than `age` are removed. A file that cannot be removed
-/// does no harm.
+/// Removes the temporary files that killed programs left in a folder, if they belong to files whose names `are_ours`, and
+/// the folders of their exports. Only what has the marker of this program and is older than `age` is removed. What cannot
+/// be removed does no harm.
 pub(super) fn remove_temporary(folder: &Path, are_ours: impl Fn(&str) -> bool, age: Duration) {
-    for path in abandoned(folder, are_ours, fs::Metadata::is_file, age) {
-        let _ = fs::remove_file(path);
-    }
-}
-
-/// Returns the temporary files or folders in a folder that are older than `age`.
-fn abandoned(
-    folder: &Path,
-    are_ours: impl Fn(&str) -> bool,
-    is_kind: fn(&fs::Metadata) -> bool,
-    age: Duration,
-) -> impl Iterator<Item = PathBuf> {
-    let is_old = move |time: SystemTime| age.is_zero() || time.elapsed().is_ok_and(|elapsed| elapsed > age);
-    entries(folder).into_iter().flatten().filter(move |path| {
+    for path in entries(folder).into_iter().flatten() {
         let is_ours = path.file_name().and_then(|name| temporary_for(name.to_str()?)).is_some_and(&are_ours);
         // This does not follow links.
-        let metadata = || fs::symlink_metadata(path).ok().filter(is_kind);
-        is_ours && metadata().and_then(|metadata| metadata.modified().ok()).is_some_and(is_old)
-    })
+        let Some(found) = is_ours.then(|| fs::symlink_metadata(&path).ok()).flatten() else { continue };
+        let age = if found.is_dir() { ABANDONED_FOLDER } else { age };
+        let is_old = |time: SystemTime| age.is_zero() || time.elapsed().is_ok_and(|elapsed| elapsed > age);
+        if found.modified().is_ok_and(is_old) {
+            let _ = match found.file_type() {
+                kind if kind.is_dir() => remove_tree(&path),
+                kind if kind.is_file() => fs::remove_file(&path),
+                _ => Ok(()),
+            };
+        }
+    }
 }
 
 /// Creates a hidden temporary folder next to `path`, which only its owner can open, and removes those that killed programs
@@ -291,9 +286,7 @@ fn abandoned(
 pub(super) fn temporary_folder(path: &Path) -> std::io::Result<PathBuf> {
     let (folder, [marker, suffix]) = (folder_of(path), TEMPORARY);
     let hidden = format!(".{}", path.file_name().unwrap_or_default().to_string_lossy());
-    for left in abandoned(folder, |name| name == hidden, fs::Metadata::is_dir, ABANDONED_FOLDER) {
-        let _ = remove_tree(&left);
-    }
+    remove_temporary(folder, |name| name == hidden, ABANDONED_FOLDER);
     let prefix = format!("{hidden}{marker}");
     let made = tempfile::Builder::new().prefix(&prefix).suffix(suffix).rand_bytes(RANDOM).tempdir_in(folder);
     Ok(made.map_err(without_name)?.keep())

@@ -9,7 +9,7 @@ use super::{
     table::{self, exactly},
 };
 use crate::display::{
-    Channel,
+    Channel, UnknownChannel,
     matching::{Match, Rows},
 };
 
@@ -111,7 +111,7 @@ fn row(cells: &[&str]) -> Result<Row, (usize, String)> {
     if !["match", "undo"].contains(&event) {
         return Err((0, format!("{event:?} is not known; expected match or undo")));
     }
-    let channel: Channel = channel.parse().map_err(|error: String| (2, error))?;
+    let channel: Channel = channel.parse().map_err(|error: UnknownChannel| (2, error.to_string()))?;
     let rows = Rows { lit: number(3, lit)?, period: number(4, period)?, row_px: number(5, row_px)? };
     if rows.lit == 0 || rows.lit >= rows.period || rows.row_px == 0 {
         return Err((

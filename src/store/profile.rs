@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use ::toml::Table;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
+use serde_json::{Map, Value};
 
 use super::{
     FileErrors, StoreError, Writer,
@@ -101,11 +101,9 @@ pub fn parse(file: &str, text: &str) -> Result<DisplayProfile, FileErrors> {
 }
 
 /// A profile in the structure of its file.
-#[derive(Serialize, Deserialize)]
+#[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ProfileForm {
-    #[serde(skip_deserializing)]
-    schema: u32,
     name: String,
     transfer: Option<Transfers>,
     black_cd_m2: Option<f64>,
@@ -115,23 +113,6 @@ struct ProfileForm {
     native_px: Option<[u32; 2]>,
     measured: Option<Measurement>,
     primaries: Option<Primaries>,
-}
-
-impl From<&DisplayProfile> for ProfileForm {
-    fn from(profile: &DisplayProfile) -> Self {
-        Self {
-            schema: 1,
-            name: profile.name.clone(),
-            transfer: Some(profile.transfers.clone()),
-            black_cd_m2: profile.luminance.map(|range| range.black_cd_m2),
-            white_cd_m2: profile.luminance.map(|range| range.white_cd_m2),
-            bits: profile.bits.map(u32::from),
-            screen_width_cm: profile.screen_width_cm,
-            native_px: profile.native_px,
-            measured: profile.measured.clone(),
-            primaries: profile.primaries,
-        }
-    }
 }
 
 fn luminance(form: &ProfileForm, document: &mut Document<'_>) -> Option<LuminanceRange> {
@@ -151,13 +132,12 @@ fn luminance(form: &ProfileForm, document: &mut Document<'_>) -> Option<Luminanc
 }
 
 /// Returns the known values of the profile, in the structure of its file.
-fn table(profile: &DisplayProfile) -> Table {
-    Table::try_from(ProfileForm::from(profile)).unwrap_or_default()
-}
-
-/// Returns the profile in the structure of its file, for a sidecar.
-pub fn value(profile: &DisplayProfile) -> serde_json::Value {
-    serde_json::to_value(table(profile)).unwrap_or_default()
+pub fn value(profile: &DisplayProfile) -> Value {
+    let mut all = Map::from_iter([("schema".to_owned(), 1.into())]);
+    if let Ok(Value::Object(own)) = serde_json::to_value(profile) {
+        all.extend(own.into_iter().filter(|(_, value)| !value.is_null()));
+    }
+    Value::Object(all)
 }
 
 /// Returns the SHA-256 of the profile's content, in lowercase hexadecimal; it is the same for every file with the same
@@ -172,6 +152,6 @@ pub fn hash(profile: &DisplayProfile) -> String {
 /// # Errors
 /// The same errors as [`Writer::write`].
 pub fn write(writer: &Writer, path: &Path, profile: &DisplayProfile) -> Result<(), StoreError> {
-    let text = ::toml::to_string(&table(profile)).map_err(|error| io(path, "encode")(std::io::Error::other(error)))?;
+    let text = ::toml::to_string(&value(profile)).map_err(|error| io(path, "encode")(std::io::Error::other(error)))?;
     writer.write(path, text.as_bytes())
 }

@@ -88,7 +88,7 @@ fn complete(file: &str, mut rows: Vec<Row>, unread: Vec<FileError>) -> Result<Re
 fn complete_black(rows: &mut Vec<Row>) {
     let blacks: Vec<Row> = rows.iter().filter(|row| row.reading.level == 0.0).cloned().collect();
     let Some(of) = blacks.first().map(|black| black.reading.channel) else { return };
-    for channel in Channel::ALL {
+    for &channel in Channel::ALL {
         let own = |row: &&Row| row.reading.channel == channel;
         if rows.iter().any(|row| own(&row)) && !blacks.iter().any(|row| own(&row)) {
             let one = blacks.iter().filter(|row| row.reading.channel == of);
@@ -146,8 +146,11 @@ fn rows(file: &str, text: &str) -> Result<(Vec<Row>, Vec<FileError>), FileErrors
             let message = || format!("{} {cell:?} is not a number; expected one such as 0.5", COLUMNS[index]);
             with_point(cell, separator).parse::<f64>().map_err(|_| (columns[index], message()))
         };
-        let channel: Channel = cells[columns[0]].trim().parse().map_err(|error: String| (columns[0], error))?;
-        let reading = Reading { channel, level: number(1)?, luminance_cd_m2: number(2)? };
+        let (name, lower) = (cells[columns[0]], cells[columns[0]].trim().to_lowercase());
+        let channel = Channel::ALL.iter().find(|channel| [channel.name(), channel.key()].contains(&&*lower));
+        let message = || (columns[0], format!("channel {name:?} is not known; expected r, g, b or gray"));
+        let reading =
+            Reading { channel: *channel.ok_or_else(message)?, level: number(1)?, luminance_cd_m2: number(2)? };
         Ok(Row { reading, places: Some(columns.map(|column| row.place(column))) })
     })?;
     match rows.len() {
@@ -257,7 +260,7 @@ fn cgats(text: &str) -> Result<Vec<Found>, String> {
         0 => levels(*channel) > 0,
         _ => levels(*channel) + 1 >= MIN_LEVELS,
     };
-    let channels: Vec<Channel> = Channel::ALL.into_iter().filter(is_curve).collect();
+    let channels: Vec<Channel> = Channel::ALL.iter().copied().filter(is_curve).collect();
     found.retain(|(one, _)| channels.contains(&one.channel));
     if let Some(channel) = channels.first() {
         let blacks = rows.iter().filter(|(rgb, ..)| *rgb == [0.0; 3]);

@@ -201,9 +201,9 @@ fn next_match(window: &mut Window) -> Option<Match> {
     for _ in 0..40 {
         let label = window.query_by_label_contains("rows lit in ").and_then(|node| node.accesskit_node().label());
         if let Some(label) = label {
-            let channel = Channel::ALL.into_iter().find(|channel| label.contains(&format!("in {channel};")))?;
+            let channel = Channel::ALL.iter().find(|channel| label.contains(&format!("in {channel};")))?;
             let code = label.rsplit(' ').next()?.parse().ok()?;
-            return Some(Match { channel, rows: MatchSettings::default().rows(), code });
+            return Some(Match { channel: *channel, rows: MatchSettings::default().rows(), code });
         }
         if window.query_by_label("Result").is_some() {
             return None;
@@ -287,7 +287,7 @@ fn an_observer_finds_the_gamma_of_the_screen_with_the_keys() {
     assert_eq!(text.lines().count(), 1 + 6 + 2, "every match is in the file, even the undone one: {text}");
     assert_eq!(matches::open(&csv).unwrap().len(), 6);
     let errors = matches::parse("m.csv", &text.replace(",red,", ",rot,")).unwrap_err().to_string();
-    assert!(errors.contains("expected r, g, b or gray"), "{errors}");
+    assert!(errors.contains("expected one of red, green, blue, gray"), "{errors}");
     // An incomplete row, as after a power failure, is removed, and the next row follows the last complete one.
     std::fs::write(&csv, &text[..text.len() - 5]).unwrap();
     let (mut file, done) = matches::MatchFile::resume(&csv).unwrap();

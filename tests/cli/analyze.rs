@@ -423,6 +423,8 @@ fn tables_of_other_programs_are_understood_or_refused_with_a_reason() {
     write("q.csv", &usual.replacen("y\n", labels, 1));
     write("bars.csv", &usual.replace(',', "|"));
     write("carets.csv", &usual.replace(',', "^"));
+    write("thousands.csv", &usual.replace(',', ";").replace(";u;", ";1,000;").replace(";v;", ";100;"));
+    write("empty.csv", &format!(",,,,\n{usual}"));
     write("title.csv", &format!("C:\\data.emrg\n{}", usual.replace(',', "\t")));
     let numbered =
         |(number, row): (usize, &str)| if number == 0 { format!("{row}\n") } else { format!("{number},{row}\n") };
@@ -457,6 +459,8 @@ fn tables_of_other_programs_are_understood_or_refused_with_a_reason() {
         ("q.csv", &["--terms", "count"], 0, ""),
         ("bars.csv", &["--terms", "count"], 0, ""),
         ("carets.csv", &["--terms", "count"], 1, "the first line has one cell, \"id^a:b^count^trial^y\"; expected the"),
+        ("thousands.csv", &["--terms", "count"], 1, "it is not clear whether 1,000 in the column count has decimals"),
+        ("empty.csv", &["--terms", "count"], 1, "empty.csv:1:1: the first line has one cell at most"),
         ("title.csv", &["--terms", "count"], 1, "the first line has one cell at most, and a line below it several"),
         ("r.csv", &["--terms", "count"], 0, ""),
         ("ends.csv", &["--terms", "count"], 0, ""),

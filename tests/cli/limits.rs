@@ -16,7 +16,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::common::{
     attacks::{HANGS, PANICS, withstood},
-    command, split, succeeds, text, workbook,
+    command, split, succeeds, workbook,
 };
 
 /// Maximum time in seconds for an input below 1 MB. The tests' own build is slower than a release build and may run on a busy
@@ -306,23 +306,6 @@ fn small_inputs_cost_little() {
         }
     }
     withstood("small files that ask for much work", runs, &[PANICS, HANGS]);
-}
-
-/// A table whose last cell has a line break is read again at its end; if that fails, it is said.
-#[test]
-fn with_few_files_open_a_command_reads_all_or_says_why_not() {
-    let folder = tempfile::tempdir().unwrap();
-    let rows = "A,a,1,\nA,b,2,\nB,a,1,\nB,b,2,\"x\ny\"\n";
-    fs::write(folder.path().join("t.csv"), format!("id,c,y,note\n{rows}")).unwrap();
-    for most in 4..10 {
-        let machband = env!("CARGO_BIN_EXE_machband");
-        let counts = format!("{machband} counts t.csv --subject id --response y --factors c --out {most}.csv");
-        let line = format!("ulimit -n {most}; exec timeout 20 {counts}");
-        let output = Command::new("sh").args(["-c", &line]).current_dir(folder.path()).output().unwrap();
-        let (status, said) = (output.status.code(), text(&output.stderr));
-        let is_failed = status == Some(1) && said.contains("Too many open files");
-        assert!(is_failed || status == Some(0) && said.is_empty(), "{most}: {status:?}: {said}");
-    }
 }
 
 /// A data file may claim to be huge without taking any space.

@@ -560,15 +560,17 @@ mod elsewhere {
     #[test]
     fn names_that_look_alike_are_named() {
         let folder = tempfile::tempdir().unwrap();
-        let ids = [" MAR1", "mar1", "MAR1 ", "01", "1", "1.0", "S1", "S01", "S10"];
+        let ids = [" MAR1", "mar1", "MAR1 ", "01", "1", "1.0", "S1", "S01", "S10", "5.1E+23"];
         let levels = ["-2", "-2.0", "NA", "nan"].into_iter().cycle();
         let rows: String = ids.iter().zip(levels).map(|(id, level)| format!("{id},{level},1\n")).collect();
         let read = study(&file(&folder, "ids.csv", format!("subject,cond,score\n{rows}")), "score", "cond");
         let expected = "the IDs 01, 1, 1.0; MAR1, mar1; S1, S01 differ only in capitals or in the form of a number, and are different participants; expected one ID for each participant";
         let found = warnings(&read);
-        assert_eq!((&*found[0], read.measured.counts.subjects.len()), (expected, 8));
-        let expected = "the levels -2, -2.0 of cond differ only in capitals or in the form of a number, and are different levels; expected one form of each level";
+        assert_eq!((&*found[0], read.measured.counts.subjects.len()), (expected, 9));
+        let expected = "the ID 5.1E+23 is a rounded number, and may stand for several; expected IDs as text";
         assert_eq!(found[1], expected);
+        let expected = "the levels -2, -2.0 of cond differ only in capitals or in the form of a number, and are different levels; expected one form of each level";
+        assert_eq!(found[2], expected);
     }
 
     /// A result file that lost columns is a table like any other, whose rows count.
@@ -732,7 +734,7 @@ mod errors {
             (|_| b"".to_vec(), "1:1: the file is empty; expected a header row".into(), 12),
             (|_| b"P\0\x03\x04\0\0".to_vec(), "1:1: is not a CSV file: its first line contains zero bytes".into(), 12),
             (|_| b"\xfd7zXZ\0".to_vec(), "1:1: is a compressed file or an old spreadsheet".into(), 12),
-            (|_| vec![b'x'; 2_000_000], "1:1: the first row is longer than 65,000 bytes; expected a".into(), 12),
+            (|_| vec![b'x'; 2_000_000], format!("1:1: the first line has one cell, \"{}…\"; expected the", "x".repeat(40)), 12),
         ];
         for (change, expected, left) in cases {
             let (said, counted) = damaged(|file| fs::write(file, change(fs::read_to_string(file).unwrap())).unwrap());

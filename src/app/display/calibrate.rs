@@ -185,7 +185,7 @@ impl<M: Method> Calibrate<M> {
     fn channels(&self) -> Vec<Channel> {
         let [colors, gray] = self.channels;
         let wanted = |channel: &Channel| if *channel == Channel::Gray { gray } else { colors };
-        Channel::ALL.into_iter().filter(wanted).collect()
+        Channel::ALL.iter().copied().filter(wanted).collect()
     }
 
     fn show_run(&mut self, ui: &mut Ui) {

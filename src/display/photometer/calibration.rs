@@ -1,7 +1,5 @@
 //! A display measured with a photometer: the fitted models, the chosen model, and warnings.
 
-use serde::Serialize;
-
 use super::{
     fit::{ASSUMED_NOISE, Curve, Family, Fit, Sample, fit, tables},
     readings::{Readings, additivity, drift_percent},
@@ -39,12 +37,11 @@ const MAX_VALIDATION: usize = 100_000;
 
 /// How well a model predicts levels that it was not fitted to. Each level except 0 and 1 is left out in turn, because
 /// no model can predict black and white without readings.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Validation {
     /// Root mean square error, in 8-bit codes.
     pub rms_codes: f64,
     /// The squared error at each level of each channel, in a fixed order and in units of the assumed noise.
-    #[serde(skip)]
     squares: Vec<f64>,
 }
 

@@ -47,7 +47,7 @@ pub struct Readings {
 impl Readings {
     pub(super) fn unchecked(all: Vec<Reading>) -> Self {
         let read = |channel: &Channel| all.iter().any(|one| one.channel == *channel);
-        Self { channels: Channel::ALL.into_iter().filter(read).collect(), all }
+        Self { channels: Channel::ALL.iter().copied().filter(read).collect(), all }
     }
 
     /// All readings in the order in which they were taken.
@@ -304,7 +304,8 @@ fn order_errors(readings: &Readings) -> Vec<ReadingsError> {
 /// Returns the difference of gray from red + green + blue − 2·black, in percent of gray, at every level above 0 at which all
 /// four were read, from dark to light.
 pub fn additivity(readings: &Readings) -> Vec<f64> {
-    let [red, green, blue, gray] = Channel::ALL.map(|channel| readings.means(channel));
+    let [red, green, blue, gray] =
+        [Channel::Red, Channel::Green, Channel::Blue, Channel::Gray].map(|channel| readings.means(channel));
     let black = readings.black_cd_m2();
     let percent = |gray: &LevelMean| {
         let at = |means: &[LevelMean]| {

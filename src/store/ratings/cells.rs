@@ -90,14 +90,19 @@ impl<'a> Cells<'a> {
             let defined = if is_own { &defined[..] } else { &[] };
             texts(column).map(|text| rows::level(text, defined, among_numbers))
         });
-        let repetition = columns.session.and(columns.repetition);
+        let repetition = |text: &str| rows::optional(text, text.parse().ok(), "the number of a repetition, 1 or more");
+        let number = |text: &str| rows::number(text).filter(|number| number.is_finite());
+        let order = |text: &str| rows::optional(text, number(text), "a number that increases from trial to trial");
+        let seconds = |text: &str| number(text).filter(|seconds| *seconds >= 0.0);
+        let seconds = |text: &str| rows::optional(text, seconds(text), "seconds, 0 or more");
+        let has_session = |_: &usize| columns.session.is_some();
         Self {
             responses: responses.collect(),
             factors: factors.collect(),
             counts: columns.count.map(|column| (column, texts(column).map(rows::count))),
-            repetitions: repetition.map(|column| (column, texts(column).map(rows::repetition))),
-            orders: columns.order.map(|column| (column, texts(column).map(rows::position))),
-            times: columns.time.map(|column| (column, texts(column).map(rows::seconds))),
+            repetitions: columns.repetition.filter(has_session).map(|column| (column, texts(column).map(repetition))),
+            orders: columns.order.map(|column| (column, texts(column).map(order))),
+            times: columns.time.map(|column| (column, texts(column).map(seconds))),
             marks: columns.simulated.map(|column| texts(column).map(rows::is_mark)),
             selection,
             known,

@@ -11,6 +11,7 @@ use std::{
 
 use calamine::{Data, DataRef, Reader as _, SheetVisible, Xlsx};
 use csv::Position;
+use encoding_rs::{Encoding, UTF_8};
 use flate2::read::MultiGzDecoder;
 use zip::ZipArchive;
 
@@ -266,9 +267,6 @@ const SUBJECTS: [&str; 4] = ["participant", "participant_id", "subject", "subjec
 /// Number of rows that may be a part of the header below its first one, and in which the separator may be.
 const MAX_LABELS: usize = 2;
 
-/// Maximum number of bytes of the header row. A table with a thousand columns has about 10,000.
-const MAX_HEAD: u64 = 1 << 16;
-
 /// Maximum size of a table in bytes. Larger ones come as counts.
 const MAX_TABLE: u64 = 4 << 30;
 
@@ -319,7 +317,8 @@ impl Header {
     /// Returns the head of a table in memory.
     pub fn of(columns: Columns) -> Self {
         let names: Vec<String> = columns.names().map(|name| name.trim().to_owned()).collect();
-        let first = (columns.rows() > 0).then(|| (0..names.len()).map(|column| columns.texts(column).get(0).to_owned()).collect());
+        let first = (columns.rows() > 0)
+            .then(|| (0..names.len()).map(|column| columns.texts(column).get(0).to_owned()).collect());
         Self { names, separator: b',', first, columns: Some(columns), ..Self::default() }
     }
 
@@ -340,9 +339,6 @@ impl Header {
         let line = lines.next().unwrap_or_default();
         if line.contains(&0) {
             return Err("is not a CSV file: its first line contains zero bytes; expected a header row");
-        }
-        if line.len() as u64 + 3 >= MAX_HEAD {
-            return Err("the first row is longer than 65,000 bytes; expected a header row");
         }
         // A title has no separator.
         let with_cells = |line: &&[u8]| line.iter().any(|byte| b",;\t|".contains(byte));
@@ -474,18 +470,15 @@ fn converted(bytes: Vec<u8>) -> Result<Converted, String> {
     } else if is_packed {
         converted = first_sheet(&converted.bytes)?;
     }
-    if let Some(encoding) = utf16(&converted.bytes) {
+    if let Some((encoding, _)) = Encoding::for_bom(&converted.bytes)
+        && encoding != UTF_8
+    {
         converted.bytes = encoding.decode(&converted.bytes).0.into_owned().into_bytes();
     }
     if converted.bytes.contains(&b'\r') && !converted.bytes.contains(&b'\n') {
         converted.bytes.iter_mut().filter(|byte| **byte == b'\r').for_each(|byte| *byte = b'\n');
     }
     Ok(converted)
-}
-
-fn utf16(bytes: &[u8]) -> Option<&'static encoding_rs::Encoding> {
-    let (encoding, _) = encoding_rs::Encoding::for_bom(bytes)?;
-    (encoding != encoding_rs::UTF_8).then_some(encoding)
 }
 
 /// Number of columns of a sheet in Excel.

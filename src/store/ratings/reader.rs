@@ -151,8 +151,8 @@ fn about_names(selection: &Selection, options: &ReadOptions, tables: &[Rows]) ->
 /// Says which IDs of participants look alike, and which ones a spreadsheet has rounded, such as 5.1E+23.
 pub(super) fn about_ids(file: &str, column: &[&Texts]) -> impl Iterator<Item = FileError> {
     let is_digits = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit() || b".,".contains(&byte));
-    let is_rounded = |id: &&Box<str>| id.split_once("E+").is_some_and(|(a, b)| is_digits(a) && is_digits(b));
-    let rounded = column.iter().flat_map(|file| &file.texts).find(is_rounded).map(|id| {
+    let is_rounded = |id: &&str| id.split_once("E+").is_some_and(|(a, b)| is_digits(a) && is_digits(b));
+    let rounded = column.iter().flat_map(|file| &file.texts).map(AsRef::as_ref).find(is_rounded).map(|id| {
         let message = format!("the ID {id} is a rounded number, and may stand for several; expected IDs as text");
         FileError::whole(file, message)
     });
@@ -176,42 +176,35 @@ pub(super) fn alike(file: &str, factor: Option<&str>, column: &[&Texts]) -> Opti
     (!groups.is_empty()).then(|| FileError::whole(file, message))
 }
 
-/// Says how many of all rows, or ratings, lack something and what becomes of `one` or `more` of them, at the first file with
-/// such rows.
-fn lacking(
-    reports: &[FileRead],
-    of: &dyn Fn(&FileRead) -> u64,
-    all: fn(&FileRead) -> u64,
-    (rows, what, [one, more]): (&str, &str, [&str; 2]),
-) -> Option<FileError> {
-    let first = reports.iter().find(|report| of(report) > 0)?;
-    let (found, all) = (reports.iter().map(of).sum::<u64>(), reports.iter().map(all).sum::<u64>());
-    let (have, fate) = if found == 1 { ("has", one) } else { ("have", more) };
-    let message = format!("{found} of {all} {rows} {have} no {what}{fate}; expected one in every row");
-    Some(FileError::whole(&first.path, message))
-}
-
 /// Returns a warning for each kind of missing value that leaves out rows; for each factor of which some ratings have no
 /// value, unless it was guessed and may be about other rows; and if ratings without a response time are kept although the
 /// time was limited.
 fn missing(selection: &Selection, reports: &[FileRead], named: &[String]) -> Vec<FileError> {
-    let named: String = named.iter().map(|text| format!("{text}, ")).collect();
-    let rows = [(Reason::NoResponse, "response"), (Reason::NoParticipant, "participant")].into_iter().filter_map(
-        |(why, what)| {
-            let of = |report: &FileRead| report.left_out.get(&why).map_or(0, |people| people.values().sum());
-            let what = format!("{what} (an empty cell, NA, {named}or another text for a missing value)");
-            lacking(reports, &of, |report| report.rows, ("rows", &what, [" and is left out", " and are left out"]))
-        },
-    );
-    let ratings = |of: &dyn Fn(&FileRead) -> u64, what: &str, fate: [&str; 2]| {
-        lacking(reports, of, |report| report.ratings, ("ratings", what, fate))
+    let sum = |of: &dyn Fn(&FileRead) -> u64| reports.iter().map(of).sum::<u64>();
+    let rows = format!("{} rows", sum(&|report| report.rows));
+    let ratings = format!("{} ratings", sum(&|report| report.ratings));
+    // The warning is about the first file with such rows.
+    let lacking = |of: &dyn Fn(&FileRead) -> u64, all: &str, what: &str, fate: &str| {
+        let (first, found) = (reports.iter().find(|report| of(report) > 0)?, sum(of));
+        let [have, are] = if found == 1 { ["has", "is"] } else { ["have", "are"] };
+        let fate = if fate.is_empty() { String::new() } else { format!(" and {are} {fate}") };
+        let message = format!("{found} of {all} {have} no {what}{fate}; expected one in every row");
+        Some(FileError::whole(&first.path, message))
     };
-    let factors = selection.shape.factors.iter().enumerate().filter(|_| !selection.shape.guessed);
-    let levels = factors
-        .filter_map(|(at, name)| ratings(&|report| report.without_level[at], &format!("value of {name}"), [""; 2]));
-    let is_limited = selection.shape.time_limits != (None, None);
-    let without_time = || ratings(&|report| report.without_time, "response time", [" and is kept", " and are kept"]);
-    rows.chain(levels).chain(is_limited.then(without_time).flatten()).collect()
+    let (mut warnings, Shape { factors, guessed, time_limits, .. }) = (Vec::new(), &selection.shape);
+    let named: String = named.iter().map(|text| format!("{text}, ")).collect();
+    for (why, what) in [(Reason::NoResponse, "response"), (Reason::NoParticipant, "participant")] {
+        let of = |report: &FileRead| report.left_out.get(&why).map_or(0, |people| people.values().sum());
+        let what = format!("{what} (an empty cell, NA, {named}or another text for a missing value)");
+        warnings.extend(lacking(&of, &rows, &what, "left out"));
+    }
+    for (at, name) in factors.iter().enumerate().filter(|_| !guessed) {
+        warnings.extend(lacking(&|report| report.without_level[at], &ratings, &format!("value of {name}"), ""));
+    }
+    if *time_limits != (None, None) {
+        warnings.extend(lacking(&|report| report.without_time, &ratings, "response time", "kept"));
+    }
+    warnings
 }
 
 /// Says how many rows are practice or later attempts according to columns that no option names. In a table from elsewhere,
@@ -278,17 +271,14 @@ fn warnings(inputs: &[Input]) -> Result<Vec<FileError>, FileErrors> {
             warnings.push(FileError::whole(&input.path, message));
         }
     }
-    warnings.extend(counts_warning(inputs));
+    let counts = inputs.iter().find(|input| input.layout == Layout::Counts);
+    warnings.extend(counts.map(|first| {
+        let message = "is a table of counts, so it is not known whether ratings are simulated, or when and in which order they \
+                       were given; expected the result files for test–retest agreement, response times, sessions, and the \
+                       prediction of the vision model";
+        FileError::whole(&first.path, message)
+    }));
     Ok(warnings)
-}
-
-/// Returns the warning about what tables of counts do not contain; `None` if there are no such tables.
-fn counts_warning(inputs: &[Input]) -> Option<FileError> {
-    let first = inputs.iter().find(|input| input.layout == Layout::Counts)?;
-    let message = "is a table of counts, so it is not known whether ratings are simulated, or when and in which order they were \
-                   given; expected the result files for test–retest agreement, response times, sessions, and the prediction of the \
-                   vision model";
-    Some(FileError::whole(&first.path, message))
 }
 
 /// Returns the sessions of all result files, and determines how the rows of these files are used.
@@ -342,14 +332,19 @@ fn read_attempts<'a>(
 ) {
     let texts = |column: usize| &rows.columns[column];
     let experiment = own.experiment.zip(selection.experiment.as_deref());
-    let phases = texts(own.phase).map(|text| text.parse::<Phase>().ok());
-    let numbers = |column: usize| (column, texts(column).map(rows::ordinal));
-    let (trials, attempts) = (numbers(own.trial).1, own.attempt.map(numbers));
+    let needed = |column: usize, of: fn(&str) -> Option<u32>, expected: &'static str| {
+        let values = texts(column).map(of);
+        move |row: usize| values.get(row).ok_or_else(|| RowError::new(row, column, expected))
+    };
+    let is_main = |text: &str| Some(u32::from(text.parse::<Phase>().ok()? == Phase::Main));
+    let is_main = needed(own.phase, is_main, "practice or main");
+    let trial = needed(own.trial, rows::ordinal, "the number of a trial, from 1 to 1,000,000");
+    let expected = "the number of an attempt, from 1 to 1,000,000";
+    let attempt = own.attempt.map(|column| needed(column, rows::ordinal, expected));
     let rated = texts(input.columns.responses[0]).map(|text| rows::is_rating(text, selection.own_scale, false));
     let one = |row: usize| {
-        let wrong = |column: usize, expected: &'static str| RowError::new(row, column, expected);
         let present = |column: usize, expected: &'static str| match texts(column).get(row) {
-            "" => Err(wrong(column, expected)),
+            "" => Err(RowError::new(row, column, expected)),
             text => Ok(text),
         };
         if let Some((column, expected)) = experiment
@@ -357,15 +352,11 @@ fn read_attempts<'a>(
         {
             return Err(RowError::new(row, column, format!("{expected}, as in the first row")));
         }
-        let phase = phases.get(row).ok_or_else(|| wrong(own.phase, "practice or main"))?;
-        let trial = trials.get(row).ok_or_else(|| wrong(own.trial, "the number of a trial, from 1 to 1,000,000"))?;
-        let attempt = attempts.as_ref().map_or(Ok(1), |(column, numbers)| {
-            numbers.get(row).ok_or_else(|| wrong(*column, "the number of an attempt, from 1 to 1,000,000"))
-        })?;
+        let (is_main, trial) = (is_main(row)? == 1, trial(row)?);
+        let attempt = attempt.as_ref().map_or(Ok(1), |attempt| attempt(row))?;
         let subject = present(input.columns.subject, "a participant")?;
         let session = present(own.session, "a session")?;
         let rated = *rated.get(row);
-        let is_main = phase == Phase::Main;
         Ok((subject, session, Attempt { session: 0, is_main, trial, attempt, file: 0, row: 0, rated }))
     };
     (0..rows.status.len()).filter(|row| rows.status[*row] != Status::Wrong).for_each(|row| take(row, one(row)));

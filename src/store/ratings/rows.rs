@@ -1,10 +1,6 @@
 //! The rows of a file as columns, the errors in them, and what the text of a cell means. Each file is read once.
 
-use std::{
-    borrow::Cow,
-    collections::BTreeMap,
-    ops::RangeInclusive,
-};
+use std::{borrow::Cow, collections::BTreeMap};
 
 use csv::{ByteRecord, Position};
 use serde_json::{Map, Value};
@@ -170,7 +166,8 @@ impl Rows {
             if let Some(grouped) = [',', '.'].into_iter().find_map(|mark| with_thousands(&column.texts, mark)) {
                 let name = &input.header.names[index];
                 let expected = "expected numbers without marks between thousands, or with another number of decimals";
-                let message = format!("it is not clear whether {grouped} in the column {name} has decimals; {expected}");
+                let message =
+                    format!("it is not clear whether {grouped} in the column {name} has decimals; {expected}");
                 return Err(input.error(index, message));
             }
             column.texts.iter_mut().for_each(|text| {
@@ -334,19 +331,21 @@ fn common_form(id: &str) -> String {
     form
 }
 
-/// Returns a number such as 1,000 if every number of a column with this mark has three digits behind it, and others are
-/// whole numbers from 100: then the mark may separate thousands.
+/// Returns a number such as 1,000 if every text of a column with this mark has three digits between marks, and other numbers
+/// are whole from 100, or have two marks: then the mark may separate thousands.
 fn with_thousands(texts: &[Box<str>], mark: char) -> Option<&str> {
-    let is_whole = |text: &str, digits: RangeInclusive<usize>| {
-        digits.contains(&text.len()) && !text.starts_with('0') && text.bytes().all(|byte| byte.is_ascii_digit())
+    let is_whole = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
+    let is_grouped = |text: &str| {
+        let (first, others) = text.trim_start_matches('-').split_once(mark).unwrap_or_default();
+        let is_first = (1..=3).contains(&first.len()) && !first.starts_with('0') && is_whole(first);
+        is_first && others.split(mark).all(|part| part.len() == 3 && is_whole(part))
     };
-    let mut marked = texts.iter().filter_map(|text| Some((&**text, text.split_once(mark)?)));
-    let first = marked.clone().next()?.0;
-    let is_grouped = |(_, (before, after)): (&str, (&str, &str))| {
-        is_whole(before, 1..=3) && after.len() == 3 && after.bytes().all(|byte| byte.is_ascii_digit())
-    };
-    let is_large = |text: &Box<str>| is_whole(text, 3..=9);
-    (marked.all(is_grouped) && texts.iter().any(is_large)).then_some(first)
+    let is_large =
+        |text: &str| text.len() > 2 && is_whole(text) && !text.starts_with('0') || text.matches(mark).count() > 1;
+    let all = texts.iter().map(AsRef::as_ref);
+    let mut marked = all.clone().filter(|text: &&str| text.contains(mark));
+    let first = marked.clone().next()?;
+    (marked.all(is_grouped) && all.into_iter().any(is_large)).then_some(first)
 }
 
 /// Returns the number in a cell; `None` for other texts and missing values.
@@ -405,40 +404,12 @@ pub(super) fn count(text: &str) -> Result<u64, &'static str> {
     count.map(|count| count as u64).ok_or("a count, a whole number from 0 to 10^12")
 }
 
-/// Returns the number of a repetition; `None` if it is missing.
+/// Returns the value of a cell, which may be missing.
 ///
 /// # Errors
-/// Says what was expected.
-pub(super) fn repetition(text: &str) -> Result<Option<u32>, &'static str> {
-    match text.parse() {
-        _ if is_missing(text, true) => Ok(None),
-        Ok(repetition) => Ok(Some(repetition)),
-        Err(_) => Err("the number of a repetition, 1 or more"),
-    }
-}
-
-/// Returns the place of a trial in its session, or `None` if it is missing.
-///
-/// # Errors
-/// Says what was expected.
-pub(super) fn position(text: &str) -> Result<Option<f64>, &'static str> {
-    match text.parse() {
-        _ if is_missing(text, true) => Ok(None),
-        Ok(position) if f64::is_finite(position) => Ok(Some(position)),
-        _ => Err("a number that increases from trial to trial"),
-    }
-}
-
-/// Returns a response time in seconds; `None` if it is missing.
-///
-/// # Errors
-/// Says what was expected.
-pub(super) fn seconds(text: &str) -> Result<Option<f64>, &'static str> {
-    match text.parse() {
-        _ if is_missing(text, true) => Ok(None),
-        Ok(seconds) if f64::is_finite(seconds) && seconds >= 0.0 => Ok(Some(seconds)),
-        _ => Err("seconds, 0 or more"),
-    }
+/// Says what was expected, if there is no value although the cell is not missing.
+pub(super) fn optional<T>(text: &str, value: Option<T>, expected: &'static str) -> Result<Option<T>, &'static str> {
+    if is_missing(text, true) { Ok(None) } else { value.map(Some).ok_or(expected) }
 }
 
 /// True if a cell of the column `simulated` says that a program answered: anything but no value, 0, false and no.

@@ -6,8 +6,6 @@ use std::{
     sync::Arc,
 };
 
-use serde_json::{Map, Value};
-
 use super::{
     files::{Header, SUBJECT},
     source::{Layout, ReadOptions, Shape},
@@ -33,7 +31,6 @@ pub(super) struct Input {
     pub columns: Columns,
     /// True if there is a sidecar, even if it has errors.
     pub has_sidecar: bool,
-    /// The sidecar, without the parts that only a verification needs.
     pub sidecar: Option<Arc<Sidecar>>,
     pub protocol: Option<Protocol>,
     /// Files of the session that differ from the hashes recorded when it ended.
@@ -121,8 +118,6 @@ impl Selection {
         inputs.retain_mut(|file| match columns(file, &shape.factors, options) {
             Ok(columns) => {
                 file.columns = columns;
-                // From here on, it only matters whether there is a first row.
-                file.header.first = file.header.first.take().map(|_| Vec::new());
                 true
             }
             Err(found) => {
@@ -155,14 +150,6 @@ impl Columns {
     }
 }
 
-/// Drops the parts of a sidecar that an analysis does not use, because there may be thousands of sidecars.
-fn shorten(sidecar: &mut Sidecar) {
-    (sidecar.context, sidecar.definition) = (Value::Null, Value::Null);
-    (sidecar.onset, sidecar.generator) = (String::new(), String::new());
-    sidecar.columns = Map::new();
-    sidecar.sittings.iter_mut().filter_map(|sitting| sitting.pictures.as_mut()).for_each(|all| all.sha256.clear());
-}
-
 impl Input {
     /// Inspects a file. An error in its sidecar does not prevent its rows from being read.
     ///
@@ -181,7 +168,7 @@ impl Input {
                 Err(StoreError::FileErrors(found)) => errors.extend(found.0),
                 Err(error) => return Err(error),
             }
-            if let Some(sidecar) = &mut sidecar {
+            if let Some(sidecar) = &sidecar {
                 changed = seal::errors(path, sidecar)?;
                 match definition::from_json(&name, &sidecar.definition) {
                     Ok(found) => {
@@ -190,7 +177,6 @@ impl Input {
                     }
                     Err(found) => errors.extend(found.0),
                 }
-                shorten(sidecar);
             }
         }
         let sidecar = sidecar.map(Arc::new);
@@ -261,25 +247,19 @@ impl Input {
         self.header.first.as_ref()?.get(index).map(String::as_str)
     }
 
-    /// Returns the columns that are neither standard columns of a result file nor named for another use.
+    /// Returns the columns that are neither standard columns of a result file nor named for another use. Columns without a
+    /// name are excluded too, because they contain row numbers from R or pandas.
     fn other_columns(&self, options: &ReadOptions) -> Vec<String> {
-        let fixed = columns_by_header(std::iter::empty());
-        let named = [self.subject(options), options.response(), options.time(), SIMULATED];
-        let named = named.into_iter().chain(options.order.as_deref());
-        let known = fixed.iter().map(|column| column.name.as_str()).chain(named);
-        let known: HashSet<usize> = known.filter_map(|name| self.header.position(name)).collect();
-        let names = self.header.names.iter().enumerate();
-        names.filter(|(i, name)| !name.is_empty() && !known.contains(i)).map(|(_, name)| name.clone()).collect()
-    }
-
-    /// Returns all columns except participant, response and count. Columns without a name are excluded too, because
-    /// they contain row numbers from R or pandas.
-    fn factors(&self, options: &ReadOptions) -> Vec<String> {
-        let known = [self.subject(options), options.response(), options.count()];
-        let is_response = |name: &String| options.wide.as_ref().is_some_and(|(_, columns)| columns.contains(name));
-        let is_known =
-            |name: &String| name.is_empty() || name == SIMULATED || known.contains(&name.as_str()) || is_response(name);
-        self.header.names.iter().filter(|name| !is_known(name)).cloned().collect()
+        let (standard, count) = match self.layout {
+            Layout::Results => (columns_by_header(std::iter::empty()), None),
+            Layout::Counts | Layout::Long => (Vec::new(), Some(options.count())),
+        };
+        let named = [self.subject(options), options.response(), options.time(), SIMULATED].into_iter();
+        let wide = options.wide.iter().flat_map(|(_, columns)| columns).map(String::as_str);
+        let named = named.chain(count).chain(options.order.as_deref()).chain(wide);
+        let known: HashSet<&str> = standard.iter().map(|column| column.name.as_str()).chain(named).collect();
+        let names = self.header.names.iter().filter(|name| !name.is_empty() && !known.contains(name.as_str()));
+        names.cloned().collect()
     }
 }
 
@@ -325,7 +305,7 @@ fn kind(file: &Input, options: &ReadOptions) -> Result<String, FileError> {
             Ok(format!("a session of the experiment {name} ({details})"))
         }
         Layout::Counts if options.factors.is_none() => {
-            let mut factors = file.factors(options);
+            let mut factors = file.other_columns(options);
             factors.sort();
             Ok(format!("a table of counts by {}", factors.join(", ")))
         }
@@ -344,7 +324,7 @@ fn without_factors(file: &Input, options: &ReadOptions) -> FileError {
     {
         return first;
     }
-    let others = file.factors(options);
+    let others = file.other_columns(options);
     let message = if others.is_empty() {
         "no factors were given, and the file has no other columns; expected a column for each factor".to_owned()
     } else {
@@ -399,7 +379,7 @@ fn shape(
             let stimulus = STIMULUS.into_iter().filter(|name| first.header.position(name).is_some());
             stimulus.map(str::to_owned).chain(first.other_columns(options)).collect()
         }
-        (None, None, Layout::Counts) => first.factors(options),
+        (None, None, Layout::Counts) => first.other_columns(options),
         (None, None, Layout::Long) => Vec::new(),
     };
     // `inv_n` is 1/n for the depth n; it is a term and not a column.

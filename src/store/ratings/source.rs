@@ -158,7 +158,7 @@ pub struct SessionRead {
     pub planned: Option<u64>,
     /// Number of rated main trials.
     pub rated: u64,
-    /// The sidecar, without its definition, its columns and the hashes of its pictures.
+    /// The sidecar, if it can be read.
     pub sidecar: Option<Arc<Sidecar>>,
 }
 
