@@ -188,6 +188,7 @@ fn any_answers_have_a_fit() {
     let single = study(&MODEL, &truth, 60, 1, &mut rng);
     let adaptive = fit(&single, &Model { range: Some([-3.0, 3.0]), ..MODEL }).unwrap();
     assert!(contains(adaptive.threshold, 0.0) && adaptive.estimate.overdispersion == 0.0, "{adaptive:?}");
+    assert!(!adaptive.is_steep, "{adaptive:?}");
     let all = |correct: fn(i32) -> u32| -> Vec<Point> {
         (-3..=3).map(|x| Point { x: f64::from(x), correct: correct(x), total: 20 }).collect()
     };
@@ -203,6 +204,9 @@ fn any_answers_have_a_fit() {
             for interval in [fit.threshold, fit.width, fit.slope_interval] {
                 assert!(interval.low < interval.high && interval.high.is_finite(), "{guess:?} {points:?} {fit:?}");
             }
+            // Between two levels, only the prior says how steeply it rises.
+            let is_step = points[0].correct < points[6].correct;
+            assert!(!is_step || guess != Guess::Fixed(0.5) || fit.determined_slopes().is_none(), "{fit:?}");
         }
     }
 }
@@ -416,7 +420,7 @@ fn intervals_of_scale_values_cover_people_with_scales_of_their_own() {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let truth = [-1.2, -0.4, 0.1, 0.5, 1.0];
     for people in [2, 3, 6, 12, 20] {
-        let mut intervals = Vec::new();
+        let (mut intervals, mut differences) = (Vec::new(), Vec::new());
         for _ in 0..120 {
             let person = |rng: &mut ChaCha8Rng| {
                 let own: Vec<f64> = truth.iter().map(|value| value + 0.4 * normal(rng)).collect();
@@ -431,21 +435,24 @@ fn intervals_of_scale_values_cover_people_with_scales_of_their_own() {
             };
             let all: Vec<Wins> = (0..people).map(|_| person(&mut rng)).collect();
             // Two or three people whose own comparisons do not determine a scale say too little about others.
-            let Some(found) = Scaling::Thurstone.intervals(&all, 200, &mut rng) else {
+            let Some(found) = Scaling::Thurstone.drawn(&all, 200, &mut rng) else {
                 assert!(people < 5);
                 continue;
             };
             // What the pooled model estimates: the noise of one comparison and the spread of people together.
             let shrink = 1.0 / (1.0 + 2.0 * 0.4_f64.powi(2)).sqrt() / Scaling::Thurstone.jnd();
-            intervals.extend(found.into_iter().zip(truth.map(|value| value * shrink)));
+            intervals.extend((0..5).map(|item| (found.mean(item, None).interval.unwrap(), truth[item] * shrink)));
+            differences.push((found.mean(1, Some(3)).interval.unwrap(), (truth[1] - truth[3]) * shrink));
         }
         let share = covered(&intervals);
         println!("{people} people: {share:.3}");
         // For two or three people, the comparisons themselves set the width, which is then too large.
         assert!((0.93..=if people < 5 { 0.995 } else { 0.985 }).contains(&share), "{people} people: {share}");
+        assert!(covered(&differences) >= 0.89, "{people} people: {}", covered(&differences));
     }
     // Three people who agree say no more than their comparisons do.
     let wins = Wins::from_row_slice(3, 3, &[0.0, 6.0, 8.0, 4.0, 0.0, 6.0, 2.0, 4.0, 0.0]);
-    let same = Scaling::Thurstone.intervals(&[wins.clone(), wins.clone(), wins], 200, &mut rng).unwrap();
-    assert!(same.iter().all(|interval| (0.3..1.5).contains(&(interval.high - interval.low))), "{same:?}");
+    let same = Scaling::Thurstone.drawn(&[wins.clone(), wins.clone(), wins], 200, &mut rng).unwrap();
+    let same = (0..3).map(|item| same.mean(item, None).interval.unwrap());
+    assert!(same.clone().all(|interval| (0.3..1.5).contains(&(interval.high - interval.low))), "{same:?}");
 }
