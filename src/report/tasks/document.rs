@@ -208,8 +208,8 @@ fn methods(study: &TaskStudy, results: &TaskResults) -> Section {
     if !results.differences.is_empty() {
         section.text(match (levels, &results.comparisons) {
             (Some(_), _) => "Conditions are compared by the differences between the contributions of the participants who have both.",
-            (None, Some(_)) => "Conditions are compared by the differences between their values in the same studies as for the intervals.",
-            (None, None) => "Conditions are compared by the differences between the values of the participants who have both, by t tests.",
+            (None, Some(_)) => "Conditions are compared by t tests of their differences, whose standard errors come from the same studies as the intervals.",
+            (None, None) => "Conditions are compared by t tests of the differences between the values of the participants who have both.",
         });
     }
     section

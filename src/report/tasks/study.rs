@@ -156,7 +156,7 @@ impl Asked {
                 Estimand { ends, ..scaled(name, parameter.as_ref(), "units of the scale", *log) }
             }
             (.., Some(Measures::Proportions)) => {
-                plain("proportion of correct answers", "proportions", Some([0.0, 1.0]), |share| unit(share))
+                plain("proportion of correct answers", "proportions", Some([0.0, 1.0]), unit)
             }
             (.., Some(Measures::Detection)) => plain("d’", "d’", None, |d_prime| fixed(d_prime, 2)),
             _ => plain("scale value", "JND", None, |jnd| fixed(jnd, 2)),
