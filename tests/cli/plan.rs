@@ -32,18 +32,6 @@ fn plan_with_slopes(observer: &OrderedLogit, sd: f64, slopes: Slopes) -> Plan {
     Plan::new(&design(), observer, &[], &[slope], &model).unwrap()
 }
 
-/// Returns the powers of both tests of the orientation, each by number of participants.
-fn powers(plan: &Plan, participants: &[u32], sampling: &Sampling) -> [Vec<Power>; 2] {
-    let powers = plan.run(participants, sampling, &|_| ());
-    [Test::LikelihoodRatio, Test::Friedman].map(|test| {
-        let is_asked = |power: &&Power| {
-            let hypothesis = &plan.hypotheses[power.hypothesis];
-            hypothesis.term.name() == "orientation_deg" && hypothesis.test == test
-        };
-        powers.iter().filter(is_asked).cloned().collect()
-    })
-}
-
 /// Compares with `tests/golden/power.csv`: a different program with different random numbers finds the same power and the
 /// same estimates, with p from studies without the effect for six people and from the χ² distribution for more, also if
 /// people differ in the effect.
@@ -93,9 +81,14 @@ fn power_matches_r() {
 fn slopes_keep_the_false_alarm_rate() {
     let rate = |slopes| {
         let plan = plan_with_slopes(&OrderedLogit::default(), 0.5, slopes);
-        let [ours, _] = powers(&plan, &[8], &Sampling { studies: 300, ..Sampling::default() });
-        assert_eq!(ours[0].untested, 0);
-        ours[0].share()
+        let all = plan.run(&[8], &Sampling { studies: 300, ..Sampling::default() }, &|_| ());
+        let is_asked = |power: &&Power| {
+            let hypothesis = &plan.hypotheses[power.hypothesis];
+            hypothesis.term.name() == "orientation_deg" && hypothesis.test == Test::LikelihoodRatio
+        };
+        let ours = all.iter().find(is_asked).unwrap();
+        assert_eq!(ours.untested, 0);
+        ours.share()
     };
     // Of the 300 studies, and of the 300 without the effect that they are compared with.
     let error = (0.05_f64 * 0.95 * 2.0 / 300.0).sqrt();
@@ -277,6 +270,10 @@ fn tables_of_other_programs_are_read() {
         succeeds(folder.path(), &[&fixed[..], columns].concat());
         let threshold = numbers(&path(&out).join("thresholds.csv"), "threshold")[0];
         assert!((sign * threshold / expected - 1.0).abs() < 0.01, "{file}: {threshold}");
+        // A function that falls has the mirrored slope and interval.
+        let [slope, low, high] =
+            ["slope", "slope_low", "slope_high"].map(|end| numbers(&path(&out).join("thresholds.csv"), end)[0]);
+        assert!(low < slope && slope < high && sign * slope > 0.0 && low * high > 0.0, "{file}: {slope}");
     }
 
     copied("people.csv", &path("people.csv"), |_| true);
@@ -317,7 +314,7 @@ fn studies_of_every_task_are_planned() {
     let head = "schema = 1\nname = \"t\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\ndepth = [1, 2, 3]\n[task]\n";
     let adjust = "kind = \"adjust\"\nparameter = \"width\"\nlow = 0.01\nhigh = 1\nlog = true\n";
     let quest = "kind = \"choice\"\nreference = { depth = \"inf\" }\n[adaptive]\nmethod = \"quest-plus\"\nparameter = \"width\"\n\
-                 levels = [0.01, 0.02, 0.04, 0.08, 0.16, 0.32]\n";
+                 levels = [0.01, 0.013, 0.017, 0.022, 0.028, 0.036, 0.046, 0.06, 0.077, 0.1, 0.13, 0.17, 0.22, 0.28, 0.36]\n";
     for (task, observer, shift, trials) in [
         ("kind = \"rating\"\nscale = \"slider\"\n", "rating=50 subject_sd=5 sd=10", "25", "2,12"),
         ("kind = \"choice\"\nreference = { depth = \"inf\" }\n", "proportion=0.75 subject_sd=0.05", "0.2", "10,60"),
@@ -330,7 +327,7 @@ fn studies_of_every_task_are_planned() {
         ("kind = \"pair\"\n", "subject_sd=0.5 lapse=0.02", "2", "4,24"),
         ("kind = \"pair\"\npairs = \"adaptive\"\n", "subject_sd=0.5 lapse=0.02", "2", "12,72"),
         (adjust, "setting=0.1 subject_sd=0.1 sd=0.2", "0.4", "2,12"),
-        (quest, "threshold=0.0565685 subject_sd=0.075 slope=4 lapse=0.02", "0.5", "20,80"),
+        (quest, "threshold=0.06 subject_sd=0.078 slope=3.9 lapse=0.02", "0.5", "16,90"),
     ] {
         fs::write(folder.path().join("t.toml"), format!("{head}{task}")).unwrap();
         let options = format!("--trials {trials} --studies 16 --effect depth:2={shift} --out p.csv --force");
