@@ -396,7 +396,8 @@ def test_tasks_go_the_whole_way(command, tmp_path, task, tables):
         assert mine[name].tolist() == trials[name][: len(mine)].tolist()
     assert machband.read_results(tmp_path).equals(rows) and set(rows.task) == {TASKS[task]["task"]["kind"]}
     found = machband.analyze(tmp_path / "t")
-    assert list(found.tables) == tables and "simulated" in repr(found) and "simulated" in found.report
+    # With few people, conditions may not be compared.
+    assert [name for name in found.tables if name != "differences"] == tables and "simulated" in repr(found) and "simulated" in found.report
     command("analyze", tmp_path / "t", "--out", "out")
     assert {path.name for path in (tmp_path / "out").iterdir()} == {path.name for path in found.save(tmp_path / "ours")}
     for name, content in found.files.items():

@@ -47,12 +47,8 @@ impl Protocol {
     ///
     /// # Errors
     /// Returns every error in the definition.
-    pub fn new(mut definition: Definition) -> Result<Self, Vec<DefinitionError>> {
+    pub fn new(definition: Definition) -> Result<Self, Vec<DefinitionError>> {
         let mut errors = DefinitionErrors::default();
-        if let Stimulus::Image(_) = definition.stimulus {
-            let Definition { task, instructions, response, .. } = &mut definition;
-            task.instruct_about_pictures(instructions, &response.question);
-        }
         let conditions: Arc<[Condition]> = definition.check(&mut errors).into();
         // Pairs are many: they are listed only if the task allows this number of conditions.
         let pairs = if errors.0.is_empty() { definition.pairs(&conditions, &mut errors) } else { None };

@@ -234,7 +234,7 @@ impl Written {
             errors.add("response.keys", "participants set a value; expected no keys");
         }
         let mut instructions = self.instructions;
-        task.instruct(&mut instructions, &response);
+        task.instruct(&mut instructions, &response, matches!(stimulus, Stimulus::Image(_)));
         let protocol = Protocol::new(Definition {
             title: self.title.unwrap_or_else(|| name.clone()),
             factors: match &stimulus {

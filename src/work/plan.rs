@@ -392,7 +392,7 @@ impl Planned {
 impl PlannedTask {
     /// Returns the unit of differences and errors.
     pub fn unit(&self) -> &'static str {
-        self.study.asked.estimand().unit()
+        self.study.asked.estimand().unit
     }
 
     /// Returns what a precision is that of: `threshold of one person`, `orientation 90° − orientation 0°`.

@@ -155,7 +155,9 @@ pub struct TaskPlan {
 
 /// An estimate of one study.
 struct Estimate {
-    mean: Mean,
+    quantity: Quantity,
+    /// `None` if the study does not allow it.
+    mean: Option<Mean>,
     truth: f64,
     /// Whether it is a difference that the analysis finds.
     is_found: bool,
@@ -175,12 +177,8 @@ impl TaskPlan {
         let asked = Asked::from(protocol);
         let mut observer = TaskObserver::of(&asked);
         set(&mut observer)?;
-        let shifts = shifts.iter().map(|shift| shift.resolve(&asked.factors)).collect::<Result<Vec<_>, _>>()?;
-        let of = |levels: &Vec<usize>| {
-            let own = shifts.iter().filter(|(factor, level, _)| levels[*factor] == *level);
-            own.map(|(_, _, size)| size).sum()
-        };
-        let shifts = asked.conditions.iter().map(of).collect();
+        let shift = Shift::sum(shifts, &asked.factors)?;
+        let shifts = asked.conditions.iter().map(|levels| shift(levels)).collect();
         let slope = |slope: &Slope| Ok((slope.resolve(&asked.factors)?, slope.sd));
         let slopes = slopes.iter().map(slope).collect::<Result<_, PlanError>>()?;
         let empty = TaskStudy { asked, ..TaskStudy::default() };
@@ -210,89 +208,73 @@ impl TaskPlan {
 
     /// Simulates studies of each number of participants. `progress` learns of participants whose sessions are done.
     pub fn run(&self, participants: &[u32], sampling: &Sampling, progress: &(dyn Fn(u64) + Sync)) -> Vec<Precision> {
-        let difference = |condition: usize| {
-            let truth = self.shifts[condition] - self.shifts[0];
-            Quantity::Difference { condition, truth }
-        };
-        let differences = (1..self.shifts.len()).map(difference);
-        let quantities: Vec<Quantity> = [Quantity::Person, Quantity::Mean].into_iter().chain(differences).collect();
-        let of_size = |people: u32| {
-            let study = |study: u32| {
-                let found = self.estimates(people, study, sampling.seed, &quantities);
-                progress(people.into());
-                found
-            };
-            let studies: Vec<Vec<Vec<Option<Estimate>>>> = (0..sampling.studies).into_par_iter().map(study).collect();
-            let precision = |(i, quantity): (usize, &Quantity)| {
-                let all = || studies.iter().flat_map(|study| &study[i]);
-                let known = || all().filter_map(|one| one.as_ref());
-                let intervals = || known().filter_map(|one| one.mean.interval);
-                // The value of one person has none.
-                let expected = if *quantity == Quantity::Person { known().count() } else { intervals().count() };
-                let squares: Vec<f64> = known().map(|one| (one.mean.mean - one.truth).powi(2)).collect();
-                let mean = squares.iter().sum::<f64>() / squares.len() as f64;
-                Precision {
-                    participants: people,
-                    trials: self.protocol.repetitions(),
-                    quantity: quantity.clone(),
-                    studies: all().count(),
-                    found: known().filter(|one| one.is_found).count(),
-                    missing: all().count() - expected,
-                    half_width: median(intervals().map(|one| (one.high - one.low) / 2.0).collect()),
-                    error: (!squares.is_empty()).then_some(mean.sqrt()),
-                }
-            };
-            quantities.iter().enumerate().map(precision).collect::<Vec<_>>()
-        };
-        participants.iter().flat_map(|people| of_size(*people)).collect()
+        participants.iter().flat_map(|people| self.of_size(*people, sampling, progress)).collect()
     }
 
-    /// Simulates a study; returns the estimates of each quantity.
-    fn estimates(&self, people: u32, study: u32, seed: u64, quantities: &[Quantity]) -> Vec<Vec<Option<Estimate>>> {
-        let people_names = (0..people).map(|person| format!("S{person:05}")).collect();
-        let mut answered = TaskStudy { people: people_names, ..self.empty.clone() };
+    fn of_size(&self, people: u32, sampling: &Sampling, progress: &(dyn Fn(u64) + Sync)) -> Vec<Precision> {
+        let study = |study: u32| {
+            let found = self.estimates(people, study, sampling.seed);
+            progress(people.into());
+            found
+        };
+        let studies: Vec<Vec<Estimate>> = (0..sampling.studies).into_par_iter().map(study).collect();
+        let quantities = (1..self.shifts.len()).map(|condition| self.difference(condition));
+        let precision = |quantity: Quantity| {
+            let all = || studies.iter().flatten().filter(|one| one.quantity == quantity);
+            let known = || all().filter_map(|one| Some((one.mean?, one.truth)));
+            let intervals = || known().filter_map(|(mean, _)| mean.interval);
+            // The value of one person has none.
+            let expected = if quantity == Quantity::Person { known().count() } else { intervals().count() };
+            let squares: Vec<f64> = known().map(|(mean, truth)| (mean.mean - truth).powi(2)).collect();
+            let mean = squares.iter().sum::<f64>() / squares.len() as f64;
+            Precision {
+                participants: people,
+                trials: self.protocol.repetitions(),
+                studies: all().count(),
+                found: all().filter(|one| one.is_found).count(),
+                missing: all().count() - expected,
+                half_width: median(intervals().map(|one| (one.high - one.low) / 2.0).collect()),
+                error: (!squares.is_empty()).then_some(mean.sqrt()),
+                quantity,
+            }
+        };
+        [Quantity::Person, Quantity::Mean].into_iter().chain(quantities).map(precision).collect()
+    }
+
+    fn difference(&self, condition: usize) -> Quantity {
+        Quantity::Difference { condition, truth: self.shifts[condition] - self.shifts[0] }
+    }
+
+    /// Simulates a study; returns its estimates.
+    fn estimates(&self, people: u32, study: u32, seed: u64) -> Vec<Estimate> {
+        let names = (0..people).map(|person| format!("S{person:05}")).collect();
+        let mut answered = TaskStudy { people: names, ..self.empty.clone() };
         let values: Vec<Vec<f64>> =
             (0..people as usize).map(|person| self.session(&mut answered, person, study, seed)).collect();
         let results = TaskResults::estimated(&answered, DRAWS, seed ^ u64::from(study));
         // Only differences on a scale mean something.
         let is_scale = results.comparisons.is_some();
         let middle = |values: &[f64]| if is_scale { values.iter().sum::<f64>() / values.len() as f64 } else { 0.0 };
-        let conditions = 0..self.shifts.len();
-        let estimate = |mean: Mean, truth: f64| Some(Estimate { mean, truth, is_found: false });
-        let of = |quantity: &Quantity| -> Vec<Option<Estimate>> {
-            match *quantity {
-                Quantity::Person => {
-                    let each = values
-                        .iter()
-                        .enumerate()
-                        .flat_map(|(person, own)| conditions.clone().map(move |c| (person, own, c)));
-                    each.map(|(person, own, condition)| {
-                        let mut all = results.own.iter();
-                        let found = all.find(|found| (found.person, found.condition) == (person, condition))?;
-                        let mean = Mean { mean: found.found, interval: None, people: 1 };
-                        estimate(mean, own[condition] - middle(own))
-                    })
-                    .collect()
-                }
-                Quantity::Mean => {
-                    let of = |condition: usize| {
-                        let (_, mean) = *results.means.iter().find(|(of, _)| *of == condition)?;
-                        estimate(mean, self.center() + self.shifts[condition] - middle(&self.shifts))
-                    };
-                    conditions.clone().map(of).collect()
-                }
-                Quantity::Difference { condition, truth } => {
-                    let found = results.differences.iter().find(|difference| difference.conditions == [0, condition]);
-                    let turned = |Difference { mean, .. }: &Difference| Mean {
-                        mean: -mean.mean,
-                        interval: mean.interval.map(|interval| interval.scaled(-1.0)),
-                        ..*mean
-                    };
-                    vec![found.map(|found| Estimate { mean: turned(found), truth, is_found: found.is_clear() })]
-                }
+        let mut all = Vec::new();
+        let mut add = |quantity, mean, truth, is_found| all.push(Estimate { quantity, mean, truth, is_found });
+        for condition in 0..self.shifts.len() {
+            for (person, own) in values.iter().enumerate() {
+                let found = results.own.iter().find(|own| (own.person, own.condition) == (person, condition));
+                let value = found.map(|own| Mean { mean: own.found, interval: None, people: 1 });
+                add(Quantity::Person, value, own[condition] - middle(own), false);
             }
-        };
-        quantities.iter().map(of).collect()
+            let mean = results.means.iter().find(|(of, _)| *of == condition).map(|(_, mean)| *mean);
+            add(Quantity::Mean, mean, self.center() + self.shifts[condition] - middle(&self.shifts), false);
+            let found = results.differences.iter().find(|found| found.conditions == [0, condition]);
+            let turned = |Difference { mean, .. }: &Difference| Mean {
+                mean: -mean.mean,
+                interval: mean.interval.map(|interval| interval.scaled(-1.0)),
+                ..*mean
+            };
+            let truth = self.shifts[condition] - self.shifts[0];
+            add(self.difference(condition), found.map(turned), truth, found.is_some_and(Difference::is_clear));
+        }
+        all
     }
 
     /// Simulates the session of one participant, and returns the true values.

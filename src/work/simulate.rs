@@ -1,10 +1,10 @@
 //! Sessions with a simulated observer.
 
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, HashMap},
     path::PathBuf,
     sync::{
-        OnceLock,
+        Mutex, PoisonError,
         atomic::{AtomicU64, Ordering},
     },
     thread,
@@ -95,8 +95,9 @@ struct Simulation<'a> {
     /// How the sidecars describe the observer.
     description: SimulatedObserver,
     pictures: Pictures,
-    /// Hashes of the pictures, which are rendered when the first session ends, so that no row waits for them.
-    hashes: OnceLock<Vec<String>>,
+    /// Hashes of the pictures by the keys of their stimuli. They are rendered when a session ends, so that no row waits for
+    /// them.
+    hashes: Mutex<HashMap<String, String>>,
     /// The most trials that all sessions can have, and the rows of those that are done.
     trials: u64,
     done: AtomicU64,
@@ -116,7 +117,7 @@ pub fn simulate(request: &Simulate, protocol: &Protocol, watcher: &dyn Watcher) 
         observer,
         description,
         pictures: Pictures::without_screen(protocol),
-        hashes: OnceLock::new(),
+        hashes: Mutex::default(),
         trials: u64::from(request.participants) * (protocol.main_trials() as u64 + u64::from(protocol.design.practice)),
         done: AtomicU64::new(0),
         watcher,
@@ -211,32 +212,36 @@ impl Simulation<'_> {
         }
         // A signal may arrive during the last trial.
         let complete = session.current().is_none();
-        let all = || schedule.conditions.iter().map(|condition| &condition.stimulus);
-        if protocol.task.is_default() && (complete || self.hashes.get().is_some()) {
-            let hashes = self.hashes.get_or_init(|| self.hash(&all().collect::<Vec<_>>()));
-            let was_shown = |stimulus: &Stimulus| complete || shown.contains_key(&stimulus.key());
-            store.note_pictures(all().zip(hashes.iter().cloned()).filter(|(stimulus, _)| was_shown(stimulus)));
-        } else {
-            let shown: Vec<&Stimulus> = shown.values().collect();
-            let hashes = self.hash(&shown);
-            store.note_pictures(shown.into_iter().zip(hashes));
+        if complete && protocol.task.is_default() {
+            // Also those of sittings that ended without their pictures.
+            let all = schedule.conditions.iter().map(|condition| condition.stimulus.clone());
+            shown.extend(all.map(|stimulus| (stimulus.key(), stimulus)));
         }
+        let hashed = self.hashed(shown);
+        store.note_pictures(hashed.iter().map(|(stimulus, hash)| (stimulus, hash.clone())));
         store.finish(complete, now().to_string(), None)?;
         rated
     }
 
-    /// Renders the pictures on a separate thread, outside the pool. A pool thread could pick up another session while
-    /// it renders, and that session would wait for the same hashes: a deadlock.
-    fn hash(&self, stimuli: &[&Stimulus]) -> Vec<String> {
+    /// Returns these stimuli, by their keys, with the hashes of their pictures, and renders those that no session has shown
+    /// before. It renders them on a separate thread, outside the pool: a pool thread could pick up another session
+    /// meanwhile, and that session would wait for the same hashes, a deadlock.
+    fn hashed(&self, shown: BTreeMap<String, Stimulus>) -> Vec<(Stimulus, String)> {
+        let mut known = self.hashes.lock().unwrap_or_else(PoisonError::into_inner);
+        let new: Vec<(&String, &Stimulus)> = shown.iter().filter(|(key, _)| !known.contains_key(*key)).collect();
+        let stimuli: Vec<&Stimulus> = new.iter().map(|(_, stimulus)| *stimulus).collect();
         // Its own threads, because those that all computations share do not exist in a process that was forked.
         let hash = || {
             let threads = rayon::ThreadPoolBuilder::new().build();
-            threads.map(|threads| threads.install(|| self.pictures.hashes(stimuli))).unwrap_or_default()
+            threads.map(|threads| threads.install(|| self.pictures.hashes(&stimuli))).unwrap_or_default()
         };
         // Without a thread, or after a panic, there are no hashes; `verify` then counts the pictures as unverified.
-        thread::scope(|scope| {
+        let found = thread::scope(|scope| {
             let hashed = thread::Builder::new().spawn_scoped(scope, hash).ok();
             hashed.and_then(|hashed| hashed.join().ok()).unwrap_or_default()
-        })
+        });
+        known.extend(new.into_iter().map(|(key, _)| key.clone()).zip(found));
+        let all = shown.into_iter().filter_map(|(key, stimulus)| Some((stimulus, known.get(&key)?.clone())));
+        all.collect()
     }
 }

@@ -117,24 +117,23 @@ fn estimates_and_intervals_match_psignifit() {
     assert_eq!(expected.len(), 51);
 }
 
-#[test]
-fn a_falling_curve_is_the_mirror_image() {
-    let mut rng = ChaCha8Rng::seed_from_u64(1);
-    for curve in [Curve::Normal, Curve::Logistic, Curve::Weibull] {
-        let rising = Model { curve, ..MODEL };
-        let truth = Estimate { threshold: 0.4, width: 2.0, lapse: 0.02, guess: 0.5, overdispersion: 0.0 };
-        let points = study(&rising, &truth, 9, 40, &mut rng);
-        let mirrored: Vec<Point> = points.iter().map(|point| Point { x: -point.x, ..*point }).collect();
-        let [up, down] = [(&points, rising), (&mirrored, Model { falls: true, ..rising })];
-        let (up, down) = (fit(up.0, &up.1).unwrap(), fit(down.0, &down.1).unwrap());
-        let near = |l: f64, r: f64| assert!((l - r).abs() < 1e-4 * (1.0 + l.abs()), "{curve}: {up:?} {down:?}");
-        near(up.estimate.threshold, -down.estimate.threshold);
-        near(up.estimate.width, down.estimate.width);
-        near(up.slope, -down.slope);
-        near(up.threshold.low, -down.threshold.high);
-        near(up.slope_interval.low, -down.slope_interval.high);
-        assert!(down.slope < 0.0 && contains(down.slope_interval, down.slope));
-    }
+/// A threshold and a width from the priors of psignifit for levels from −3 to 3 at distances of 1.
+fn from_priors(guess: Guess, rng: &mut ChaCha8Rng) -> Estimate {
+    let mut draw = |low: f64, high: f64, density: &dyn Fn(f64) -> f64| {
+        loop {
+            let x = rng.random_range(low..high);
+            if rng.random::<f64>() < density(x) {
+                return x;
+            }
+        }
+    };
+    let fall = |share: f64| (1.0 + (std::f64::consts::PI * share.clamp(0.0, 1.0)).cos()) / 2.0;
+    let threshold = draw(-6.0, 6.0, &|x| fall((x.abs() - 3.0) / 3.0));
+    let width = draw(1.0, 18.0, &|x| if x < 2.0 { fall(2.0 - x) } else { fall((x - 6.0) / 12.0) });
+    let mut share = || Beta::new(1.0, 10.0).unwrap().sample(rng);
+    let [lapse, free, overdispersion] = [share(), share(), share()];
+    let guess = if let Guess::Fixed(guess) = guess { guess } else { free };
+    Estimate { threshold, width, lapse: lapse.min(0.49), guess: guess.min(0.5), overdispersion }
 }
 
 /// Counts, for each of several checks, the studies that pass it; each study has its own random numbers.
@@ -142,6 +141,23 @@ fn passed<const N: usize>(studies: u64, study: impl Fn(&mut ChaCha8Rng) -> [bool
     let one = |seed: u64| study(&mut ChaCha8Rng::seed_from_u64(seed)).map(usize::from);
     let sum = |l: [usize; N], r: [usize; N]| std::array::from_fn(|i| l[i] + r[i]);
     (0..studies).into_par_iter().map(one).reduce(|| [0; N], sum)
+}
+
+#[test]
+fn intervals_cover_parameters_from_the_priors() {
+    for guess in [Guess::Fixed(0.5), Guess::Free] {
+        let model = Model { guess, ..MODEL };
+        let covered = passed(300, |rng| {
+            let truth = from_priors(guess, rng);
+            let fit = fit(&study(&model, &truth, 7, 20, rng), &model).unwrap();
+            let function = model.parameters(&truth);
+            let [below, above] = [-1e-4, 1e-4].map(|by| model.curve.probability(truth.threshold + by, &function));
+            let pairs = [(fit.threshold, truth.threshold), (fit.width, truth.width)];
+            let [threshold, width] = pairs.map(|(interval, value)| contains(interval, value));
+            [threshold, width, contains(fit.slope_interval, (above - below) / 2e-4)]
+        });
+        covered.into_iter().for_each(|covered| assert_covers(covered, 300));
+    }
 }
 
 /// Single trials at many levels, as adaptive procedures give them, and studies that say nothing.
@@ -152,6 +168,7 @@ fn any_answers_have_a_fit() {
     let single = study(&MODEL, &truth, 60, 1, &mut rng);
     let adaptive = fit(&single, &Model { range: Some([-3.0, 3.0]), ..MODEL }).unwrap();
     assert!(contains(adaptive.threshold, 0.0) && adaptive.estimate.overdispersion == 0.0, "{adaptive:?}");
+    assert!(!adaptive.is_steep, "{adaptive:?}");
     let all = |correct: fn(i32) -> u32| -> Vec<Point> {
         (-3..=3).map(|x| Point { x: f64::from(x), correct: correct(x), total: 20 }).collect()
     };
@@ -167,6 +184,9 @@ fn any_answers_have_a_fit() {
             for interval in [fit.threshold, fit.width, fit.slope_interval] {
                 assert!(interval.low < interval.high && interval.high.is_finite(), "{guess:?} {points:?} {fit:?}");
             }
+            // Between two levels, only the prior says how steeply it rises.
+            let is_step = points[0].correct < points[6].correct;
+            assert!(!is_step || guess != Guess::Fixed(0.5) || fit.determined_slopes().is_none(), "{fit:?}");
         }
     }
 }
@@ -380,7 +400,7 @@ fn intervals_of_scale_values_cover_people_with_scales_of_their_own() {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let truth = [-1.2, -0.4, 0.1, 0.5, 1.0];
     for people in [2, 3, 6, 12, 20] {
-        let mut intervals = Vec::new();
+        let (mut intervals, mut differences) = (Vec::new(), Vec::new());
         for _ in 0..120 {
             let person = |rng: &mut ChaCha8Rng| {
                 let own: Vec<f64> = truth.iter().map(|value| value + 0.4 * normal(rng)).collect();
@@ -395,21 +415,24 @@ fn intervals_of_scale_values_cover_people_with_scales_of_their_own() {
             };
             let all: Vec<Wins> = (0..people).map(|_| person(&mut rng)).collect();
             // Two or three people whose own comparisons do not determine a scale say too little about others.
-            let Some(found) = Scaling::Thurstone.intervals(&all, 200, &mut rng) else {
+            let Some(found) = Scaling::Thurstone.drawn(&all, 200, &mut rng) else {
                 assert!(people < 5);
                 continue;
             };
             // What the pooled model estimates: the noise of one comparison and the spread of people together.
             let shrink = 1.0 / (1.0 + 2.0 * 0.4_f64.powi(2)).sqrt() / Scaling::Thurstone.jnd();
-            intervals.extend(found.into_iter().zip(truth.map(|value| value * shrink)));
+            intervals.extend((0..5).map(|item| (found.mean(item, None).interval.unwrap(), truth[item] * shrink)));
+            differences.push((found.mean(1, Some(3)).interval.unwrap(), (truth[1] - truth[3]) * shrink));
         }
         let share = covered(&intervals);
         println!("{people} people: {share:.3}");
         // For two or three people, the comparisons themselves set the width, which is then too large.
         assert!((0.93..=if people < 5 { 0.995 } else { 0.985 }).contains(&share), "{people} people: {share}");
+        assert!(covered(&differences) >= 0.89, "{people} people: {}", covered(&differences));
     }
     // Three people who agree say no more than their comparisons do.
     let wins = Wins::from_row_slice(3, 3, &[0.0, 6.0, 8.0, 4.0, 0.0, 6.0, 2.0, 4.0, 0.0]);
-    let same = Scaling::Thurstone.intervals(&[wins.clone(), wins.clone(), wins], 200, &mut rng).unwrap();
-    assert!(same.iter().all(|interval| (0.3..1.5).contains(&(interval.high - interval.low))), "{same:?}");
+    let same = Scaling::Thurstone.drawn(&[wins.clone(), wins.clone(), wins], 200, &mut rng).unwrap();
+    let same = (0..3).map(|item| same.mean(item, None).interval.unwrap());
+    assert!(same.clone().all(|interval| (0.3..1.5).contains(&(interval.high - interval.low))), "{same:?}");
 }

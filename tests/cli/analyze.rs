@@ -568,7 +568,7 @@ fn comparisons_of_many_conditions_are_corrected() {
         let rows = (0..conditions).flat_map(|condition| (0..5).map(move |person| row(condition, person)));
         let rows = "who,cond,level,right,n\n".to_owned() + &rows.collect::<String>();
         let [printed, _] = answers(folder.path(), &rows, "--guess 0.5 --subject who --factors cond");
-        let first = printed.lines().find(|line| line.contains("at cond c0 and at cond c1")).unwrap();
+        let first = printed.lines().find(|line| line.contains("at cond c0 from that at cond c1")).unwrap();
         let interval = first.split(['(', ')']).nth(1).unwrap();
         let report = fs::read_to_string(folder.path().join("a/report.html")).unwrap();
         assert_eq!(report.contains("Holm"), conditions > 2);

@@ -6,8 +6,7 @@ use std::{fs, path::Path};
 use machband::{
     analysis::{
         Options, Slopes,
-        power::{Plan, Power, Sampling, Shift, Slope, Test},
-        terms::Terms,
+        power::{Plan, Power, Sampling, Slope, Test},
     },
     experiment::{OrderedLogit, Protocol},
     statistics::Interval,
@@ -26,28 +25,11 @@ fn oblique(oblique: f64) -> OrderedLogit {
     OrderedLogit { oblique, ..OrderedLogit::default() }
 }
 
-fn plan(protocol: &Protocol, observer: &OrderedLogit, shifts: &[Shift], terms: Option<&str>) -> Plan {
-    let terms = terms.map(|terms| terms.parse::<Terms>().unwrap());
-    Plan::new(protocol, observer, shifts, &[], &Options { terms, ..Options::default() }).unwrap()
-}
-
 /// Plans the design for people who differ in the effect of the orientation by this standard deviation.
 fn plan_with_slopes(observer: &OrderedLogit, sd: f64, slopes: Slopes) -> Plan {
     let slope = Slope { factor: "orientation_deg".to_owned(), sd };
     let model = Options { slopes, ..Options::default() };
     Plan::new(&design(), observer, &[], &[slope], &model).unwrap()
-}
-
-/// Returns the powers of both tests of the orientation, each by number of participants.
-fn powers(plan: &Plan, participants: &[u32], sampling: &Sampling) -> [Vec<Power>; 2] {
-    let powers = plan.run(participants, sampling, &|_| ());
-    [Test::LikelihoodRatio, Test::Friedman].map(|test| {
-        let is_asked = |power: &&Power| {
-            let hypothesis = &plan.hypotheses[power.hypothesis];
-            hypothesis.term.name() == "orientation_deg" && hypothesis.test == test
-        };
-        powers.iter().filter(is_asked).cloned().collect()
-    })
 }
 
 /// Compares with `tests/golden/power.csv`: a different program with different random numbers finds the same power and the
@@ -99,9 +81,14 @@ fn power_matches_r() {
 fn slopes_keep_the_false_alarm_rate() {
     let rate = |slopes| {
         let plan = plan_with_slopes(&OrderedLogit::default(), 0.5, slopes);
-        let [ours, _] = powers(&plan, &[8], &Sampling { studies: 300, ..Sampling::default() });
-        assert_eq!(ours[0].untested, 0);
-        ours[0].share()
+        let all = plan.run(&[8], &Sampling { studies: 300, ..Sampling::default() }, &|_| ());
+        let is_asked = |power: &&Power| {
+            let hypothesis = &plan.hypotheses[power.hypothesis];
+            hypothesis.term.name() == "orientation_deg" && hypothesis.test == Test::LikelihoodRatio
+        };
+        let ours = all.iter().find(is_asked).unwrap();
+        assert_eq!(ours.untested, 0);
+        ours.share()
     };
     // Of the 300 studies, and of the 300 without the effect that they are compared with.
     let error = (0.05_f64 * 0.95 * 2.0 / 300.0).sqrt();
@@ -126,18 +113,6 @@ fn intervals_of_proportions_match_r() {
             (interval.low - low).abs() < 1e-11 && (interval.high - high).abs() < 1e-11,
             "{found}/{all}: {interval:?}"
         );
-    }
-}
-
-#[test]
-fn without_an_effect_the_false_alarm_rate_is_alpha() {
-    let plan = plan(&design(), &OrderedLogit::default(), &[], None);
-    assert!(plan.hypotheses.iter().all(|h| h.effect.is_some() == (h.term.name() != "orientation_deg")));
-    for alpha in [0.05, 0.3] {
-        let sampling = Sampling { studies: 200, alpha, ..Sampling::default() };
-        let found = powers(&plan, &[4], &sampling)[0][0].found as f64;
-        let sd = (200.0 * alpha * (1.0 - alpha)).sqrt();
-        assert!((found - 200.0 * alpha).abs() < 3.0 * sd, "alpha {alpha}: {found} of 200");
     }
 }
 
@@ -212,7 +187,7 @@ fn wrong_usage_is_reported() {
         2: --participants 2 --effect width:0.3=2 => --effect width:0.3: no such level; expected one of 0.02
         2: --participants 2 --effect fall=1 --effect fall=2 => --effect fall=2: fall is given twice
         2: --participants 2 --slope width=inf => 'width=inf' for '--slope <FACTOR=SD>': the value is not a finite number
-        2: --participants 2 --slope width=-1 => '--slope <FACTOR=SD>': the value is out of range; expected 0…1000 logits
+        2: --participants 2 --slope width=-1 => '--slope <FACTOR=SD>': the value is out of range; expected 0…1000
         2: --participants 2 --terms widht => did you mean width?
         2: --participants 2 --terms width,,depth => width,,depth: an empty name
         2: --participants 2 --terms depth,num:inv_n => --terms num:inv_n: the term adds nothing to the other terms
@@ -295,6 +270,10 @@ fn tables_of_other_programs_are_read() {
         succeeds(folder.path(), &[&fixed[..], columns].concat());
         let threshold = numbers(&path(&out).join("thresholds.csv"), "threshold")[0];
         assert!((sign * threshold / expected - 1.0).abs() < 0.01, "{file}: {threshold}");
+        // A function that falls has the mirrored slope and interval.
+        let [slope, low, high] =
+            ["slope", "slope_low", "slope_high"].map(|end| numbers(&path(&out).join("thresholds.csv"), end)[0]);
+        assert!(low < slope && slope < high && sign * slope > 0.0 && low * high > 0.0, "{file}: {slope}");
     }
 
     copied("people.csv", &path("people.csv"), |_| true);
@@ -327,54 +306,56 @@ fn tables_of_other_programs_are_read() {
     }
 }
 
-/// Planned studies find a difference that is not there in about 5 % of cases, and a large one nearly always; more people
-/// and more trials are more precise.
+/// Every task has a plan: a difference that is there is found in most studies, and one that is not in few; more trials say
+/// more about one person, and more people more about the mean.
 #[test]
-fn studies_of_thresholds_are_planned() {
+fn studies_of_every_task_are_planned() {
     let folder = tempfile::tempdir().unwrap();
-    let plan = |options: &str| {
-        let printed =
-            succeeds(folder.path(), &split(&format!("plan threshold-width --out plan.csv --force {options}")));
-        // A number stands below the end of the name of its column.
-        let lines: Vec<&str> =
-            printed.lines().filter(|line| line.contains("mean threshold") || line.contains("error")).collect();
-        let end = lines[1].find("half_width").unwrap() + "half_width".len();
-        let shown: f64 = lines[2][..end].rsplit(' ').next().unwrap().parse().unwrap();
-        let width = &numbers(&folder.path().join("plan.csv"), "half_width")[1];
-        assert!((shown - width).abs() < 6e-4, "{printed}");
-        folder.path().join("plan.csv")
-    };
-    let false_alarms = numbers(&plan("--participants 5 --studies 100"), "false_alarms")[2];
-    assert!((0.01..0.1).contains(&false_alarms), "{false_alarms}");
-
-    let large = plan("--participants 4,10 --trials 20,50 --studies 16 --effect orientation_deg:90=0.3");
-    let (error, width, power) = (numbers(&large, "error"), numbers(&large, "half_width"), numbers(&large, "power"));
-    // Rows: 20 trials of 4 people, of 10, 50 trials of 4, of 10; each with person, mean and difference.
-    assert_eq!(numbers(&large, "participants").len(), 12);
-    assert!(power[11] > 0.8, "{power:?}");
-    assert!(error[6] < 0.8 * error[0] && error[11] < 0.2, "{error:?}");
-    assert!(width[4] < width[1] && width[7] < width[1] && width[10] < width[4], "{width:?}");
+    let head = "schema = 1\nname = \"t\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\ndepth = [1, 2, 3]\n[task]\n";
+    let adjust = "kind = \"adjust\"\nparameter = \"width\"\nlow = 0.01\nhigh = 1\nlog = true\n";
+    let quest = "kind = \"choice\"\nreference = { depth = \"inf\" }\n[adaptive]\nmethod = \"quest-plus\"\nparameter = \"width\"\n\
+                 levels = [0.01, 0.013, 0.017, 0.022, 0.028, 0.036, 0.046, 0.06, 0.077, 0.1, 0.13, 0.17, 0.22, 0.28, 0.36]\n";
+    for (task, observer, shift, trials) in [
+        ("kind = \"rating\"\nscale = \"slider\"\n", "rating=50 subject_sd=5 sd=10", "25", "2,12"),
+        ("kind = \"choice\"\nreference = { depth = \"inf\" }\n", "proportion=0.75 subject_sd=0.05", "0.2", "10,60"),
+        (
+            "kind = \"yes-no\"\nreference = { width = 0 }\n",
+            "d_prime=1.5 subject_sd=0.5 false_alarms=0.1",
+            "1.5",
+            "20,100",
+        ),
+        ("kind = \"pair\"\n", "subject_sd=0.5 lapse=0.02", "2", "4,24"),
+        ("kind = \"pair\"\npairs = \"adaptive\"\n", "subject_sd=0.5 lapse=0.02", "2", "12,72"),
+        (adjust, "setting=0.1 subject_sd=0.1 sd=0.2", "0.4", "2,12"),
+        (quest, "threshold=0.06 subject_sd=0.078 slope=3.9 lapse=0.02", "0.5", "16,90"),
+    ] {
+        fs::write(folder.path().join("t.toml"), format!("{head}{task}")).unwrap();
+        let options = format!("--trials {trials} --studies 16 --effect depth:2={shift} --out p.csv --force");
+        let printed = planned(folder.path(), &format!("t.toml --participants 4,8 {options}"));
+        assert!(printed.contains(&format!("observer {observer};")), "{task}: {printed}");
+        let column = |name: &str| numbers(&folder.path().join("p.csv"), name);
+        // Rows: few trials of 4 people and of 8, then many; each with a person, the mean, depth 2 and depth 3.
+        let (power, alarms) = (column("power"), column("false_alarms"));
+        let (error, width) = (column("error"), column("half_width"));
+        assert!(power.len() == 16 && power[14] > 0.8 && alarms[15] < 0.2, "{task}: {power:?} {alarms:?}");
+        assert!(error[12] < 0.8 * error[4] && width[13] < width[9], "{task}: {error:?} {width:?}");
+    }
 
     // Trials that no session could order are no reason to simulate.
     let definition = fs::read_to_string("experiments/threshold-width.toml").unwrap();
     let two = definition.replace("high = 0.75\n", "").replace("[0, 90]", "[0, 90]\nhigh = [0.7, 0.75]");
     let definition = two.replace("[design]", "[design]\nmax_run = 1");
     fs::write(folder.path().join("run.toml"), definition).unwrap();
-    let adjust = "schema = 1\nname = \"adj\"\n[stimulus]\nkind = \"mach-band\"\n[task]\nkind = \"adjust\"\nparameter = \"low\"\nhigh = 0.5\n";
-    fs::write(folder.path().join("a.toml"), adjust).unwrap();
     let cases = r"
         1: run.toml => max_run = 1
-        2: a.toml => expected a rating on a scale of categories
-        2: pairs-shaders => expected a rating on a scale of categories, or a task with [adaptive]
         2: quick --trials 20 => --trials: does not apply to ratings
         2: threshold-width --effect orientation:90=0.3 => --effect orientation: no such factor; expected orientation_deg
         2: threshold-width --effect orientation_deg:45=0.3 => --effect orientation_deg:45: no such level; expected one of 0, 90
         2: threshold-width --effect slop=3 => the observer has no such parameter; expected one of threshold
         2: threshold-width --effect lapse=0.9 => lapse 0.9 is outside 0…0.5
-        2: threshold-width --terms width => does not apply to thresholds
-        2: threshold-width --link probit => does not apply to thresholds
-        2: threshold-width --preregistration p.md => --preregistration: does not apply to thresholds
-        2: threshold-width --target 0.9 => --target: does not apply to thresholds
-        2: threshold-width --alpha 0.01 => --alpha: does not apply to thresholds";
+        2: pairs-shaders --effect slope=3 => the observer has no such parameter; expected one of subject_sd, lapse
+        2: threshold-width --terms width => does not apply to answers to the task choice
+        2: threshold-width --preregistration p.md => --preregistration: does not apply to this task
+        2: pairs-shaders --alpha 0.01 => --alpha: does not apply to answers to the task pair";
     refuses(folder.path(), "plan {} --participants 4", cases);
 }

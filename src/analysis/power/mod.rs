@@ -12,8 +12,7 @@
 //! studies without the effect, once for each term and number of participants.
 //!
 //! Random numbers come from ChaCha8, initialized with the seed, with a separate stream for each participant in each
-//! study, and separate keys for ratings, for deviations and for studies without an effect. Results depend neither on the
-//! number of threads nor on what else is planned. A study of 12 people consists of the study of 8 and four more people, so
+//! study. Results depend neither on the number of threads nor on what else is planned. A study of 12 people consists of the study of 8 and four more people, so
 //! different numbers of participants are compared on the same people.
 
 mod plan;

@@ -20,7 +20,7 @@ use crate::{
             terms::{Term, Terms},
         },
     },
-    experiment::{Condition, Factor, OrderedLogit, Protocol},
+    experiment::{Factor, OrderedLogit, Protocol},
     text::names::expected_one_of,
 };
 
@@ -81,11 +81,6 @@ pub struct Slope {
     pub sd: f64,
 }
 
-/// The purpose of the random numbers of the deviations, so that the ratings have the same with and without slopes.
-const DEVIATIONS: u8 = 1;
-/// Added to the purpose in studies without an effect.
-const WITHOUT_EFFECT: u8 = 2;
-
 /// A definition and its observer.
 #[derive(Clone, Debug)]
 pub(super) struct Scenario {
@@ -109,11 +104,7 @@ impl Scenario {
         shifts: &[Shift],
         slopes: &[Slope],
     ) -> Result<Self, PlanError> {
-        let shifts = shifts.iter().map(|shift| shift.resolve(&protocol.factors)).collect::<Result<Vec<_>, _>>()?;
-        let added = |condition: &Condition| -> f64 {
-            let here = shifts.iter().filter(|(factor, level, _)| condition.levels[*factor] == *level);
-            here.map(|(_, _, size)| size).sum()
-        };
+        let added = Shift::sum(shifts, &protocol.factors)?;
         let categories: Vec<String> = (0..=protocol.response.highest()).map(|rating| rating.to_string()).collect();
         let names: Vec<&str> = protocol.factors.iter().map(|factor| factor.name.as_str()).collect();
         let mut builder = MeasuredBuilder::new(&names).with_categories(&categories);
@@ -127,7 +118,7 @@ impl Scenario {
                     .add_counts(subject, &levels, rating, protocol.design.repetitions.into())
                     .map_err(PlanError::TooLarge)?;
             }
-            known.insert(levels, observer.predictor(&condition.stimulus, 0.0) + added(condition));
+            known.insert(levels, observer.predictor(&condition.stimulus, 0.0) + added(&condition.levels));
         }
         let outline = builder.finish().counts;
         let names = |condition: u32| outline.level_names(condition).into_iter().map(str::to_owned).collect::<Vec<_>>();
@@ -151,13 +142,13 @@ impl Scenario {
         study: u32,
         seed: u64,
     ) -> Counts {
-        let kind = if is_planned { 0 } else { WITHOUT_EFFECT };
-        let generator = |purpose, subject| generator(seed, kind | purpose, study, subject);
+        let study = if is_planned { study } else { !study };
         let mut rows = Vec::new();
         let categories = self.outline.categories.len();
         for subject in 0..people {
-            let deviations = self.deviations(slopes, &mut generator(DEVIATIONS, subject));
-            let mut rng = generator(0, subject);
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            rng.set_stream(u64::from(study) << 32 | u64::from(subject));
+            let deviations = self.deviations(slopes, &mut rng);
             let deviate: f64 = StandardNormal.sample(&mut rng);
             let own = predictors.iter().zip(deviations).map(|(predictor, deviation)| predictor + deviation);
             for (condition, predictor) in (0..).zip(own) {
@@ -190,16 +181,6 @@ impl Scenario {
     }
 }
 
-/// Returns the random numbers of a participant for a purpose. Each purpose has its own key, and each participant in each
-/// study its own stream.
-fn generator(seed: u64, purpose: u8, study: u32, subject: u32) -> ChaCha8Rng {
-    let mut key = ChaCha8Rng::seed_from_u64(seed).get_seed();
-    key[0] ^= purpose;
-    let mut rng = ChaCha8Rng::from_seed(key);
-    rng.set_stream(u64::from(study) << 32 | u64::from(subject));
-    rng
-}
-
 /// Returns the index of the factor with this name, which a slope or an effect gave.
 fn factor_of(factors: &[Factor], is_slope: bool, name: &str) -> Result<usize, PlanError> {
     (factors.iter().position(|factor| factor.name == name)).ok_or_else(|| PlanError::UnknownFactor {
@@ -220,11 +201,19 @@ impl Slope {
 }
 
 impl Shift {
-    /// Returns the indices of the factor and of its level, and the size.
+    /// Returns how much these shifts add to a condition, given its level of each factor.
     ///
     /// # Errors
     /// There is no such factor or level.
-    pub fn resolve(&self, factors: &[Factor]) -> Result<(usize, usize, f64), PlanError> {
+    pub fn sum(shifts: &[Self], factors: &[Factor]) -> Result<impl Fn(&[usize]) -> f64 + use<>, PlanError> {
+        let shifts = shifts.iter().map(|shift| shift.resolve(factors)).collect::<Result<Vec<_>, _>>()?;
+        Ok(move |levels: &[usize]| {
+            shifts.iter().filter(|(factor, level, _)| levels[*factor] == *level).map(|(.., size)| size).sum()
+        })
+    }
+
+    /// Returns the indices of the factor and of its level, and the size.
+    fn resolve(&self, factors: &[Factor]) -> Result<(usize, usize, f64), PlanError> {
         let factor = factor_of(factors, false, &self.factor)?;
         let names: Vec<String> = factors[factor].levels.iter().map(ToString::to_string).collect();
         let number = levels::number_of(&self.level);

@@ -39,10 +39,6 @@ impl Kind for Adjust {
         ResponseScale::new("Change the image until the brighter band is just visible.", &[], [])
     }
 
-    fn instructions(&self) -> String {
-        "You will see a dark and a bright area with a transition between them. Where the transition meets the bright area, you may see a line or band that is brighter still.\n\nChange the image with the arrow keys or the mouse wheel until the band is just visible. Hold Shift for finer steps. Press Enter when you are satisfied.\n\nBetween images, the screen shows one even color while your eyes recover.".to_owned()
-    }
-
     fn check(&self, given: &Given<'_>, errors: &mut DefinitionErrors) {
         let Self { parameter, low, high, step, log } = self;
         if !given.check_parameter("task.parameter", parameter, errors) {

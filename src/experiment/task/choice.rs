@@ -44,17 +44,6 @@ impl Kind for Choice {
         ResponseScale::new(question, &labels[..count], '1'..)
     }
 
-    fn instructions(&self) -> String {
-        let count = if self.alternatives == 4 { "four" } else { "two" };
-        let shown = match self.shown {
-            Shown::Intervals => format!("You will see {count} images, one after the other."),
-            Shown::Places => format!("You will see {count} images at the same time."),
-        };
-        format!(
-            "{shown} Each has a dark and a bright area with a transition between them. In one of them, a line or band that is brighter still may stand out where the transition meets the bright area.\n\nAfter the images, say which one it was. If you are not sure, guess.\n\nBetween trials, the screen shows one even color while your eyes recover."
-        )
-    }
-
     fn check(&self, given: &Given<'_>, errors: &mut DefinitionErrors) {
         if ![2, 4].contains(&self.alternatives) {
             errors.add("task.alternatives", format!("alternatives is {}; expected 2 or 4", self.alternatives));

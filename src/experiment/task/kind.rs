@@ -330,8 +330,6 @@ pub enum Measures {
 pub trait Kind {
     /// Returns the question and the answers, unless the definition has its own.
     fn scale(&self) -> ResponseScale;
-    /// Returns what participants are told on the first page, unless the definition has its own text.
-    fn instructions(&self) -> String;
     /// Adds every error.
     fn check(&self, given: &Given<'_>, errors: &mut DefinitionErrors);
     /// Returns how the stimuli of a trial are arranged.

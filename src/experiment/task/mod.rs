@@ -72,24 +72,29 @@ impl Default for Task {
     }
 }
 
+/// What is to be seen, unless the pictures are a study's own.
+const BAND: &str = " Each has a dark and a bright area with a transition between them. Where the transition meets the bright area, a line or band that is brighter still may stand out.\n\n";
 /// How a dial is turned.
 const DIAL: &str = "Change the value with the arrow keys or the mouse wheel; with Shift, the steps are finer. Press Enter to answer. While the screen shows one even color, Backspace undoes the last answer. Esc pauses.";
 /// How answers with keys of their own are given.
 const KEYS: &str = "Answer with the keys {keys}. While the screen shows one even color, Backspace undoes the last answer. S shows or hides the answers. Esc pauses.";
 
 impl Task {
-    /// Replaces the default texts, which are those of a rating with digits, by texts that suit this task and its answers.
-    pub fn instruct(&self, texts: &mut Texts, scale: &ResponseScale) {
-        if self.is_default() && scale.categories.iter().all(|category| category.key.is_ascii_digit()) {
-            return;
-        }
+    /// Replaces the default texts, which are those of a rating of bands with digits, by texts that suit this task, its answers
+    /// and, if `is_picture`, pictures of a study's own: what they show, only the question says.
+    pub fn instruct(&self, texts: &mut Texts, scale: &ResponseScale, is_picture: bool) {
         let (default, has_dial) = (Texts::default(), self.dial().is_some());
         let replace = |text: &mut String, default: String, own: &str| {
             if *text == default {
                 own.clone_into(text);
             }
         };
-        replace(&mut texts.task, default.task, &self.instructions());
+        if is_picture || !self.is_default() {
+            replace(&mut texts.task, default.task, &self.first_page(&scale.question, is_picture));
+        }
+        if self.is_default() && scale.categories.iter().all(|category| category.key.is_ascii_digit()) {
+            return;
+        }
         replace(&mut texts.keys, default.keys, if has_dial { DIAL } else { KEYS });
         // A dial has no scale that can be hidden.
         if has_dial {
@@ -98,20 +103,22 @@ impl Task {
         }
     }
 
-    /// Replaces the default text of the first page, which is about bands, by one for pictures of the study's own: what they
-    /// show, only the question says.
-    pub(super) fn instruct_about_pictures(&self, texts: &mut Texts, question: &str) {
-        if texts.task != self.instructions() {
-            return;
-        }
+    /// Returns what the first page says about the task, unless the definition has its own text.
+    fn first_page(&self, question: &str, is_picture: bool) -> String {
         let (seen, guess) = match self.layout() {
             Layout::Single => ("one image at a time", ""),
             Layout::Places(_) => ("several images at the same time", " If you are not sure, guess."),
             Layout::Intervals { .. } => ("several images, one after the other", " If you are not sure, guess."),
         };
-        texts.task = format!(
-            "You will see {seen}. Each time, answer this question: {question}{guess}\n\nIn between, the screen shows one even color while your eyes recover."
-        );
+        let asked = match self.dial() {
+            Some(Dial { parameter: Some(_), .. }) => "Each time, do this:",
+            _ => "Each time, answer this question:",
+        };
+        let none = if self.catches().is_some() { " In some images, there is none." } else { "" };
+        let band = if is_picture { " " } else { BAND };
+        format!(
+            "You will see {seen}.{band}{asked} {question}{none}{guess}\n\nIn between, the screen shows one even color while your eyes recover."
+        )
     }
 
     /// Returns whether this is the rating that a definition without a task asks for.

@@ -68,10 +68,6 @@ impl Kind for Pair {
         ResponseScale::new("Which image has the more visible band?", &["Left", "Right"], '1'..)
     }
 
-    fn instructions(&self) -> String {
-        "You will see two images side by side.\n\nSay in which of them the brighter band is more visible. If you are not sure, guess.\n\nBetween trials, the screen shows one even color while your eyes recover.".to_owned()
-    }
-
     fn check(&self, given: &Given<'_>, errors: &mut DefinitionErrors) {
         let with_levels = !given.adapted.is_empty();
         if self.trials.is_some() && (with_levels || self.pairs != Pairs::Adaptive) {

@@ -5,7 +5,7 @@ use super::{
     options::{OptionValue, options},
 };
 use crate::{
-    experiment::{faults::DefinitionErrors, scale::ResponseScale, texts::Texts},
+    experiment::{faults::DefinitionErrors, scale::ResponseScale},
     text::names::named,
 };
 
@@ -37,13 +37,6 @@ impl Kind for Rating {
                 let ends = ["Not visible", "Very clearly visible"];
                 ResponseScale::new("How visible is the brighter band?", &ends, '1'..)
             }
-        }
-    }
-
-    fn instructions(&self) -> String {
-        match self.scale {
-            Scale::Categories => Texts::default().task,
-            Scale::Slider => "You will see a dark and a bright area with a transition between them. Where the transition meets the bright area, you may see a line or band that is brighter still.\n\nFor each image, set the slider to show how visible this BRIGHTER band is, with the mouse or with the arrow keys, and press Enter. There is no right answer: report what you see.\n\nBetween images, the screen shows one even color while your eyes recover.".to_owned(),
         }
     }
 

@@ -24,10 +24,6 @@ impl Kind for YesNo {
         ResponseScale::new("Do you see a brighter band?", &["No", "Yes"], ['n', 'y'])
     }
 
-    fn instructions(&self) -> String {
-        "You will see a dark and a bright area with a transition between them. Where the transition meets the bright area, you may see a line or band that is brighter still.\n\nAfter each image, say whether you see this BRIGHTER band. In some images, there is none.\n\nBetween images, the screen shows one even color while your eyes recover.".to_owned()
-    }
-
     fn check(&self, given: &Given<'_>, errors: &mut DefinitionErrors) {
         errors.check_range("task.catch", self.catch, 0.05, 0.95, "the proportion of trials that show the reference");
         given.check_reference(&self.reference, errors);

@@ -69,19 +69,20 @@ fn means(study: &TaskStudy, results: &TaskResults) -> Vec<String> {
         (Some(protocol), false) => format!("; guessing gives {}", unit(protocol.task.guess())),
         _ => String::new(),
     };
+    let kind = if estimand.log { "geometric mean " } else { "mean " };
     let of_condition = |condition: usize| {
         let (at, found) = (study.at(condition), results.means.iter().find(|(of, _)| *of == condition));
         let Some((_, Mean { mean, interval, people })) = found else {
             return (!results.detection.is_empty() && study.asked.levels.is_none())
                 .then(|| format!("There is no d’{at}, because no participant had both targets and catch trials."));
         };
-        let over = match *people {
-            1 => " for 1 participant".to_owned(),
-            people => format!(", averaged over {}", count(people as u64, "participant")),
+        let (kind, over) = match *people {
+            1 => ("", " for 1 participant".to_owned()),
+            people => (kind, format!(", averaged over {}", count(people as u64, "participant"))),
         };
-        let (format, Estimand { name, of, mean: prefix, .. }) = (estimand.format(*interval), &estimand);
+        let (format, Estimand { name, of, .. }) = (estimand.format(*interval), &estimand);
         let interval = with_interval(*interval, &format);
-        Some(format!("The {prefix}{name}{of}{at} is {}{interval}{over}{guess}.", format(*mean)))
+        Some(format!("The {kind}{name}{of}{at} is {}{interval}{over}{guess}.", format(*mean)))
     };
     let conditions = if results.comparisons.is_some() { 0 } else { study.asked.conditions.len() };
     (0..conditions).filter_map(of_condition).collect()
@@ -131,18 +132,18 @@ fn compared(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
     if all.len() > MAX_TOLD {
         let clear = all.iter().filter(|difference| difference.is_clear()).count();
         return section.text(format!(
-            "Of {} pairs of conditions, {clear} clearly differ (Holm-corrected p below .05).",
-            whole(all.len() as u64)
+            "Of {} pairs of conditions, {clear} clearly differ (Holm-corrected p below .05): see differences.csv.",
+            all.len()
         ));
     }
     let corrected_by = if all.len() > 1 { ", Holm-corrected" } else { "" };
     for difference in all {
         let Some(interval) = difference.mean.interval else { continue };
         let ([one, two], level) = (difference.conditions.map(|one| study.name(one)), estimand.format(Some(interval)));
+        let (kind, than) = if estimand.log { ("ratio", "to") } else { ("difference", "from") };
         section.text(format!(
-            "The {} of the {} at {one} and at {two} is {}{} over {}{}, {}.",
-            if estimand.log { "ratio" } else { "difference" },
-            estimand.plural,
+            "The {kind} of the {} at {one} {than} that at {two} is {}{} over {}{}, {}.",
+            estimand.name,
             level(difference.mean.mean),
             with_interval(Some(interval), &level),
             count(difference.mean.people as u64, "participant"),
@@ -207,8 +208,8 @@ fn methods(study: &TaskStudy, results: &TaskResults) -> Section {
     if !results.differences.is_empty() {
         section.text(match (levels, &results.comparisons) {
             (Some(_), _) => "Conditions are compared by the differences between the contributions of the participants who have both.",
-            (None, Some(_)) => "Conditions are compared by the differences between their values in the same studies as for the intervals.",
-            (None, None) => "Conditions are compared by the differences between the values of the participants who have both, by t tests.",
+            (None, Some(_)) => "Conditions are compared by t tests of their differences, whose standard errors come from the same studies as the intervals.",
+            (None, None) => "Conditions are compared by t tests of the differences between the values of the participants who have both.",
         });
     }
     section

@@ -1,14 +1,11 @@
-//! Sections about thresholds, detection, comparisons, settings and differences.
+//! Sections about thresholds, detection, comparisons and settings.
 
 use super::{
     results::{Comparisons, OfPerson, PersonFunction, TaskResults, proportion},
     study::{TaskStudy, scaled},
 };
 use crate::{
-    analysis::{
-        comparisons::Scale,
-        tasks::{population::Difference, psychometric::Fit},
-    },
+    analysis::{comparisons::Scale, tasks::psychometric::Fit},
     experiment::task::{Common, Dial},
     report::{
         document::{Section, TableOf, fixed, probability, range, unit, whole},
@@ -68,7 +65,6 @@ pub(super) fn of_results(study: &TaskStudy, results: &TaskResults, figures: &[Fi
         (!results.detection.is_empty()).then(|| detection(study, results)),
         results.comparisons.as_ref().map(|found| comparisons(study, found, figures)),
         dial.map(|dial| settings(study, results, dial)),
-        (!results.differences.is_empty()).then(|| differences(study, results)),
     ];
     all.into_iter().flatten().collect()
 }
@@ -130,21 +126,6 @@ fn begun<'a, T>(study: &TaskStudy, caption: impl Into<String>, rows: &'a [OfPers
     TableOf::new(caption, rows)
         .text("Participant", |own| &study.people[own.person])
         .text("Condition", |own| study.name(own.condition))
-}
-
-fn differences(study: &TaskStudy, results: &TaskResults) -> Section {
-    let mut section = Section::new("differences", "Differences");
-    let estimand = study.asked.estimand();
-    let written = |found: &Difference| estimand.format(found.mean.interval);
-    TableOf::new("Differences between conditions", &results.differences)
-        .text("Condition", |found| study.name(found.conditions[0]))
-        .text("Compared with", |found| study.name(found.conditions[1]))
-        .number("Participants", |found| whole(found.mean.people as u64))
-        .number(if estimand.log { "Ratio" } else { "Difference" }, |found| written(found)(found.mean.mean))
-        .number("95\u{a0}% interval", |found| range(found.mean.interval, written(found)))
-        .number("p (Holm)", |found| probability(found.p))
-        .add_to(&mut section);
-    section
 }
 
 fn shares(study: &TaskStudy, results: &TaskResults) -> Section {

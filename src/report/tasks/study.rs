@@ -66,12 +66,10 @@ pub struct Levels {
 pub struct Estimand {
     /// What it is, without its parameter: `threshold`.
     pub name: &'static str,
-    /// Several of them.
-    pub plural: &'static str,
     /// Of which parameter: ` of width`, or nothing.
     pub of: String,
-    /// What comes before the name of its mean.
-    pub mean: &'static str,
+    /// The unit of differences and errors.
+    pub unit: &'static str,
     /// Whether the values are base-10 logarithms.
     pub log: bool,
     /// The ends of its scale, if it has any.
@@ -84,17 +82,6 @@ impl Estimand {
     /// Returns how a value is written whose interval, if any, is known.
     pub fn format(&self, interval: Option<Interval>) -> Box<dyn Fn(f64) -> Shown> {
         self.format.map_or_else(|| Box::new(scaled(self.log, interval)) as _, |format| Box::new(format) as _)
-    }
-
-    /// Returns the unit of differences.
-    pub fn unit(&self) -> &'static str {
-        match (self.log, self.name) {
-            (true, _) => "log10 units",
-            (_, "threshold") => "units of the level",
-            (_, "setting") => "units of the parameter",
-            (_, "scale value") => "JND",
-            _ => "its own units",
-        }
     }
 }
 
@@ -147,31 +134,32 @@ impl Asked {
 
     /// Returns what is estimated for each person in each condition.
     pub fn estimand(&self) -> Estimand {
-        let of = |parameter: &String| format!(" of {}", self.factor(parameter));
-        let plain =
-            Estimand { name: "", plural: "", of: String::new(), mean: "", log: false, ends: None, format: None };
+        let scaled = |name, parameter: Option<&String>, unit, log| {
+            let of = parameter.map_or_else(String::new, |parameter| format!(" of {}", self.factor(parameter)));
+            Estimand { name, of, unit: if log { "log10 units" } else { unit }, log, ends: None, format: None }
+        };
+        let plain = |name, unit, ends, format: fn(f64) -> Shown| Estimand {
+            name,
+            of: String::new(),
+            unit,
+            log: false,
+            ends,
+            format: Some(format),
+        };
         match (&self.levels, &self.dial, self.measures) {
             (Some(Levels { common, .. }), ..) => {
-                let (of, log) = (of(&common.parameter), common.log);
-                Estimand { name: "threshold", plural: "thresholds", of, mean: "mean ", log, ..plain }
+                scaled("threshold", Some(&common.parameter), "units of the level", common.log)
             }
             (_, Some(Dial { parameter, log, range, .. }), _) => {
-                let (name, plural) = if self.is_slider() { ("rating", "ratings") } else { ("setting", "settings") };
-                let (of, mean) =
-                    (parameter.as_ref().map_or_else(String::new, of), if *log { "geometric mean " } else { "mean " });
+                let name = if self.is_slider() { "rating" } else { "setting" };
                 let ends = Some(range.map(|end| if *log { end.log10() } else { end }));
-                Estimand { name, plural, of, mean, log: *log, ends, ..plain }
+                Estimand { ends, ..scaled(name, parameter.as_ref(), "units of the scale", *log) }
             }
             (.., Some(Measures::Proportions)) => {
-                let (name, plural, ends) = ("proportion of correct answers", "proportions", Some([0.0, 1.0]));
-                Estimand { name, plural, ends, format: Some(unit), ..plain }
+                plain("proportion of correct answers", "proportions", Some([0.0, 1.0]), unit)
             }
-            (.., Some(Measures::Detection)) => {
-                Estimand {
-                    name: "sensitivity d’", plural: "sensitivities d’", format: Some(|d| fixed(d, 2)), ..plain
-                }
-            }
-            _ => Estimand { name: "scale value", plural: "scale values", format: Some(|jnd| fixed(jnd, 2)), ..plain },
+            (.., Some(Measures::Detection)) => plain("d’", "d’", None, |d_prime| fixed(d_prime, 2)),
+            _ => plain("scale value", "JND", None, |jnd| fixed(jnd, 2)),
         }
     }
 
