@@ -223,7 +223,7 @@ fn repair_moves_damaged_lines_and_deletes_no_byte() {
     assert!(SessionStore::resume(folder.path(), &small(), &identity(), None, sitting(), Changes::Accept).is_err());
     let said = succeeds(folder.path(), &["repair", csv.to_str().unwrap()]);
     let aside = csv.with_file_name("subject-S001_session-1_task-smallone_data.csv.damaged-1");
-    assert!(said.contains("2 damaged lines moved") && said.contains("damaged-1: 4, 5"), "{said}");
+    assert!(said.contains("damaged lines were moved to ") && said.contains("damaged-1: 4, 5"), "{said}");
     assert_eq!(fs::read_to_string(&csv).unwrap(), [head, tail].concat());
     assert_eq!(fs::read_to_string(&aside).unwrap(), damaged);
     assert!(succeeds(folder.path(), &["repair", "small-one"]).contains("_data.csv: no line is damaged"));
@@ -266,6 +266,11 @@ fn repair_moves_damaged_lines_and_deletes_no_byte() {
     let said = succeeds(folder.path(), &["repair", csv.to_str().unwrap()]);
     assert!(said.ends_with("_data.csv: the header was restored\n"), "{said}");
     assert_eq!((files(), fs::read_to_string(&csv).unwrap()), (before, whole.clone()));
+    // The seal says how many rows are gone.
+    fs::write(&csv, lines[0]).unwrap();
+    let said = succeeds(folder.path(), &["repair", csv.to_str().unwrap()]);
+    let expected = format!("no line is damaged; of the {} rows that were sealed, 0 are left\n", rows.len());
+    assert!(said.ends_with(&expected), "{said}");
     let repeated = [&lines[..3], &lines[2..]].concat();
     assert_eq!(moved(&repeated), (vec![4], whole.clone()));
     // Rows in another order stay as they are: no intact row is moved.
@@ -301,8 +306,8 @@ fn an_analysis_tells_missing_rows_and_a_repair_notes_them() {
     assert!(errors(&csv).contains(&format!("_data.csv:5:1: {gap}")), "{}", errors(&csv));
     let warning = text(&analyzed().stderr);
     assert!(warning.contains("main trials without a row, although later trials have one: 1"), "{warning}");
-    assert!(succeeds(folder.path(), &["repair", "small-one"]).contains("no line is damaged, but rows are missing"));
-    assert!(verified(&csv).notes.join("; ").contains("repaired: rows are missing"));
+    assert!(succeeds(folder.path(), &["repair", "small-one"]).contains("no line is damaged; rows are missing before"));
+    assert!(verified(&csv).notes.join("; ").contains("repaired: no line is damaged; rows are missing"));
     assert!(succeeds(folder.path(), &["repair", "small-one"]).contains("_data.csv: no line is damaged\n"));
     let (mut store, found) = resume(folder.path()).unwrap();
     sit(&mut store, Some(&found), usize::MAX);
