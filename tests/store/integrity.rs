@@ -84,6 +84,7 @@ fn resuming_refuses_a_changed_session_or_records_the_change_permanently() {
         assert_eq!(error.remedy(), Some("accept_changes"), "{what}: {error}");
         let error = error.to_string();
         assert!(error.contains("seal") || error.contains("was changed since"), "{what}: {error}");
+        assert_eq!(error.contains(" rows instead of "), what.contains("row"), "{what}: {error}");
         assert_eq!(everything(folder.path()), before, "{what}");
         let (mut store, found) = accept(folder.path());
         sit(&mut store, Some(&found), usize::MAX);

@@ -325,7 +325,7 @@ impl SessionStore {
         let frames = self.frames.as_ref().filter(|file| !file.is_empty() && file.path() == self.paths.frames);
         Seal {
             data_bytes: rows.content().len() as u64,
-            data_rows: rows.content().iter().filter(|byte| **byte == b'\n').count().saturating_sub(1),
+            data_rows: results::count(rows.content()),
             data_sha256: sha256(rows.content()),
             frames_bytes: frames.map(|file| file.content().len() as u64),
             frames_sha256: frames.map(|file| sha256(file.content())),
