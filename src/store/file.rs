@@ -341,15 +341,15 @@ pub struct AppendFile {
     /// True if rows are on disk when [`AppendFile::append`] returns. If false, the file is created with its first row, and a power
     /// failure may lose the last rows, because nothing waits for the disk.
     durable: bool,
-    /// True if the open file is locked.
-    locked: bool,
+    /// Keeps other programs out where the locks of the operating system do not work; `None` where they do.
+    lock: Option<LockFile>,
 }
 
 impl AppendFile {
     /// Prepares a new file. The first write creates it, and never touches an existing file.
     pub(super) fn new(path: &Path, durable: bool, content: Vec<u8>) -> Self {
         let (path, header) = (path.to_owned(), content.len());
-        Self { path, file: None, content, written: 0, partial_line: None, header, durable, locked: false }
+        Self { path, file: None, content, written: 0, partial_line: None, header, durable, lock: None }
     }
 
     /// Opens, locks and reads a file. The file is not changed until the next write; if it has no complete line yet,
@@ -360,12 +360,12 @@ impl AppendFile {
     pub(super) fn open(path: &Path, durable: bool, header: Vec<u8>, most: u64) -> Result<Self, StoreError> {
         let mut file = OpenOptions::new().read(true).write(true).open(path).map_err(io(path, "open"))?;
         file.metadata().and_then(|found| is_data(&found)).map_err(io(path, "open"))?;
-        let locked = lock(&file, path)?;
+        let lock = lock(&file, path, durable)?;
         let content = read_at_most(&mut file, most).map_err(io(path, "read"))?;
         let (whole, partial_line) = split_partial_line(content);
         let (path, written, header_len) = (path.to_owned(), whole.len(), header.len());
         let content = complete_lines_or_header(&path, whole, partial_line.as_deref(), header)?;
-        Ok(Self { path, file: Some(file), written, content, partial_line, header: header_len, durable, locked })
+        Ok(Self { path, file: Some(file), written, content, partial_line, header: header_len, durable, lock })
     }
 
     /// Returns the path of the file, which may not exist yet.
@@ -420,20 +420,20 @@ impl AppendFile {
             _ => io(&self.path, "create")(error),
         })?;
         // Between its creation and its lock, another program may have opened the file and written its rows.
-        let locked = lock(&made, &self.path).and_then(|locked| {
+        let locked = lock(&made, &self.path, self.durable).and_then(|lock| {
             let is_new = made.metadata().map_err(io(&self.path, "access"))?.len() == 0;
-            if is_new { Ok(locked) } else { Err(StoreError::Exists(self.path.clone())) }
+            if is_new { Ok(lock) } else { Err(StoreError::Exists(self.path.clone())) }
         });
         self.file = Some(made);
         let synced = |this: &Self| if this.durable { sync_folder(&this.path) } else { Ok(()) };
-        let created = locked.map(|locked| self.locked = locked).and_then(|()| self.write()).and_then(|()| synced(self));
+        let created = locked.map(|lock| self.lock = lock).and_then(|()| self.write()).and_then(|()| synced(self));
         if let Err(error) = &created {
             // This program has just created the file. An incomplete file must not block the next attempt, unless
             // another program uses it.
             if !matches!(error, StoreError::InUse(_) | StoreError::Exists(_)) {
                 let _ = fs::remove_file(&self.path);
             }
-            (self.file, self.written) = (None, 0);
+            (self.file, self.written, self.lock) = (None, 0, None);
         }
         created
     }
@@ -478,9 +478,10 @@ impl AppendFile {
         synced.map_err(io(&self.path, "sync"))
     }
 
-    /// True if the system keeps other programs from opening the file. Some network shares do not support locks.
-    pub fn is_locked(&self) -> bool {
-        self.locked
+    /// Returns what the sidecar of a session says if a lock file protects it.
+    pub fn lock_incident(&self) -> Option<String> {
+        let incident = "the file system of the results does not support locks; a lock file protected the session";
+        self.lock.as_ref().map(|_| incident.to_owned())
     }
 
     /// Writes everything into a new file and continues there. The old file is not changed.
@@ -488,6 +489,9 @@ impl AppendFile {
     /// # Errors
     /// The new location cannot be written. In that case, the old one stays in use.
     pub fn continue_in(&mut self, path: &Path) -> Result<(), StoreError> {
+        if path == self.path {
+            self.lock = None;
+        }
         let mut moved = Self::new(path, self.durable, self.content.clone());
         moved.header = self.header;
         moved.flush()?;
@@ -504,12 +508,12 @@ impl Drop for AppendFile {
     }
 }
 
-/// Locks a file against other programs; returns false if the file system does not support locks. That is no reason to
-/// refuse a session.
-pub(super) fn lock(file: &File, path: &Path) -> Result<bool, StoreError> {
+/// Locks a file against other programs. Where the file system does not support locks, creates a lock file if the file is
+/// `durable`.
+fn lock(file: &File, path: &Path, durable: bool) -> Result<Option<LockFile>, StoreError> {
     // Another program may only be asking whether the file is locked.
     match lock_within(file, MAX_ASKING) {
-        Ok(is_locked) => Ok(is_locked),
+        Ok(is_locked) => (durable && !is_locked).then(|| LockFile::create(path)).transpose(),
         Err(TryLockError::WouldBlock) => Err(StoreError::InUse(path.to_owned())),
         Err(TryLockError::Error(error)) => Err(io(path, "lock")(error)),
     }
@@ -569,24 +573,17 @@ const REMEDY: &str = "if no program on any computer is writing it, remove this f
 /// one on another computer still runs, and one on the same computer may have reused the number of a process that ended.
 /// Therefore only people remove the file that a killed program left.
 #[derive(Debug)]
-pub(super) struct LockFile(PathBuf);
+struct LockFile(PathBuf);
 
 impl LockFile {
-    /// What a sidecar says about a session with a lock file.
-    pub const INCIDENT: &str =
-        "the file system of the results does not support locks; a lock file protected the session";
-
-    /// Creates the lock file for a data file, unless the operating system already locks the data file (`is_locked`).
+    /// Creates the lock file for a data file.
     ///
     /// # Errors
     /// Another program may be writing this session; I/O errors.
-    pub fn create(csv: &Path, is_locked: bool) -> Result<Option<Self>, StoreError> {
-        if is_locked {
-            return Ok(None);
-        }
+    fn create(csv: &Path) -> Result<Self, StoreError> {
         let path = lock_path(csv);
         match OpenOptions::new().write(true).create_new(true).open(&path) {
-            Ok(_) => Ok(Some(Self(path))),
+            Ok(_) => Ok(Self(path)),
             Err(error) if error.kind() == ErrorKind::AlreadyExists => {
                 let what = format!(
                     "means that another program is writing this session; expected it to be closed first; {REMEDY}"

@@ -5,14 +5,7 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use super::{Found, Watcher};
-use crate::{
-    store::{
-        FileErrors,
-        dataset::refuse_link,
-        ratings::Listed,
-        session,
-    },
-};
+use crate::store::{FileErrors, dataset::refuse_link, ratings::Listed, session};
 
 /// Move damaged lines of a session's data file to a file next to it, so that the session can be resumed.
 ///

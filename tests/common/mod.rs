@@ -12,11 +12,15 @@ use std::{
     path::{Path, PathBuf},
     process::{Command, Output, Stdio},
     str::FromStr,
+    time::Duration,
 };
 
 use machband::{
-    experiment::{Protocol, TrialRecord, columns},
-    store::{recorded, results},
+    experiment::{
+        FrameCount, Identity, OrderedLogit, Protocol, RowContext, Session, SessionOptions, TrialRecord, TrialResponse,
+        columns, simulate,
+    },
+    store::{recorded, results, session::Interrupted},
 };
 
 pub const MACHBAND: &str = env!("CARGO_BIN_EXE_machband");
@@ -238,6 +242,20 @@ pub fn change_rating(csv: &Path) {
 pub fn rows(csv: &Path, protocol: &Protocol) -> Vec<TrialRecord> {
     let read = results::parse(csv.to_str().unwrap(), &fs::read(csv).unwrap(), &columns(protocol));
     read.unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Lets the simulated observer answer the trials that are left of a session, until `record` returns an error.
+pub fn answer<E>(
+    found: &Interrupted,
+    identity: &Identity,
+    mut record: impl FnMut(&RowContext<'_>, &TrialResponse) -> Result<(), E>,
+) -> Result<(), E> {
+    let (protocol, schedule) = (found.course.protocol(), found.course.schedule());
+    let context = RowContext { protocol, schedule, identity, sitting: found.sitting };
+    let options = SessionOptions { pages: 0, frames: FrameCount::Off };
+    let mut session = Session::new(found.course.clone(), &found.resumed, options);
+    let start = Duration::from_secs_f64(found.elapsed_s);
+    simulate(&mut session, &OrderedLogit::default(), identity, start, |response| record(&context, response))
 }
 
 /// The findings of `machband verify` about a session.

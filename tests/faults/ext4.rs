@@ -16,7 +16,6 @@ use rand_chacha::{
 
 use crate::{
     disk,
-    run::Table,
     run::{self, Report},
     shim,
     sweep::Sweep,
@@ -86,20 +85,20 @@ fn stop(process: u32) {
 }
 
 /// Runs sessions and cuts the power during each; returns every failure, or why this system cannot do it.
-pub fn play(sweep: &Sweep, cuts: u64, seed: u64, table: &mut Table) -> Result<Vec<String>, String> {
+pub fn play(sweep: &Sweep, cuts: u64, seed: u64) -> Result<Vec<String>, String> {
     let library = shim::library().ok_or("no library")?;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let begun = Instant::now();
-    session(sweep, library, None, table)?;
+    session(sweep, library, None)?;
     let longest = begun.elapsed().as_micros() as u64;
     let mut wrong = Vec::new();
     for _ in 0..cuts {
-        wrong.extend(session(sweep, library, Some(Duration::from_micros(rng.next_u64() % longest)), table)?);
+        wrong.extend(session(sweep, library, Some(Duration::from_micros(rng.next_u64() % longest)))?);
     }
     Ok(wrong)
 }
 
-fn session(sweep: &Sweep, library: &Path, cut: Option<Duration>, table: &mut Table) -> Result<Vec<String>, String> {
+fn session(sweep: &Sweep, library: &Path, cut: Option<Duration>) -> Result<Vec<String>, String> {
     let file_system = FileSystem::new()?;
     let results = file_system.root().join("first");
     let mut command = run::child(DEFINITION, &results, &file_system.root().join("second"), false);
@@ -124,16 +123,6 @@ fn session(sweep: &Sweep, library: &Path, cut: Option<Duration>, table: &mut Tab
     let lost = disk::lost(&disk::paths(&results, DEFINITION).csv, &report.rows);
     let unreadable = disk::unparsable(&file_system.root(), DEFINITION);
     let after = sweep.recovered(DEFINITION, &results, &report.rows);
-    let counts = vec![
-        ("injected", 1),
-        ("took effect", 1),
-        ("sessions", 1),
-        ("rows saved", report.rows.len()),
-        ("rows lost", lost.len()),
-        ("unreadable files", unreadable.len()),
-        ("resumed", usize::from(after.is_empty())),
-    ];
-    table.add(counts);
     let wrong = [lost, unreadable, after].concat();
     Ok(wrong.into_iter().map(|what| format!("after {cut:?}: {what}")).collect())
 }

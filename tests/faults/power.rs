@@ -19,9 +19,7 @@ use rayon::prelude::*;
 
 use crate::{
     common::{self, MACHBAND, everything},
-    disk, run,
-    run::Table,
-    shim,
+    disk, run, shim,
     sweep::{self, Sweep},
 };
 
@@ -284,39 +282,29 @@ impl Recorded {
     }
 }
 
-/// Cuts the power `cuts` times; adds a line for each kind of file to the table and returns every failure.
-pub fn play(sweep: &Sweep, cuts: usize, seed: u64, table: &mut Table) -> Vec<String> {
+/// Cuts the power `cuts` times, and returns every failure.
+pub fn play(sweep: &Sweep, cuts: usize, seed: u64) -> Vec<String> {
     let sessions: Vec<_> = (0..run::DEFINITIONS.len()).flat_map(|i| [(i, 0), (i, 1)]).collect();
     let sessions: Vec<_> = sessions.into_iter().map(|(i, rows)| session(i, rows)).collect();
     let study = Study::new(sweep);
     let outputs: Vec<_> = OUTPUTS.iter().map(|line| study.output(line)).collect();
-    let found: Vec<_> = (0..cuts)
-        .into_par_iter()
-        .map(|number| {
-            let mut rng = ChaCha8Rng::seed_from_u64(seed);
-            rng.set_stream(1_000_000 + number as u64);
-            let which = number % (sessions.len() + outputs.len());
-            let (name, saved, wrong) = match sessions.get(which) {
-                Some(session) => session_after(sweep, session, which / 2, &mut rng),
-                None => {
-                    let output = &outputs[which - sessions.len()];
-                    output_after(output, output.cut(&mut rng))
-                }
-            };
-            let wrong: Vec<_> = wrong.into_iter().map(|what| format!("cut {number}, {name}: {what}")).collect();
-            (saved, wrong)
-        })
-        .collect();
+    let found = (0..cuts).into_par_iter().flat_map(|number| {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(1_000_000 + number as u64);
+        let which = number % (sessions.len() + outputs.len());
+        let (recorded, wrong) = match sessions.get(which) {
+            Some(session) => (session, session_after(sweep, session, which / 2, &mut rng)),
+            None => {
+                let output = &outputs[which - sessions.len()];
+                (output, output_after(output, output.cut(&mut rng)))
+            }
+        };
+        let name = &recorded.name;
+        wrong.into_iter().map(|what| format!("cut {number}, {name}: {what}")).collect::<Vec<_>>()
+    });
+    let found: Vec<String> = found.collect();
     // Everything that a command wrote was synced before it ended, and so were the folders.
-    let mut all: Vec<_> = outputs.iter().flat_map(|output| output_after(output, output.cut_at_end()).2).collect();
-    for (saved, wrong) in found {
-        let whole = usize::from(wrong.is_empty());
-        let one = ["injected", "took effect", "sessions"].map(|column| (column, 1));
-        let counts = [("rows saved", saved), ("rows lost", wrong.len()), ("resumed", whole)];
-        table.add([one.to_vec(), counts.to_vec()].concat());
-        all.extend(wrong);
-    }
-    all
+    outputs.iter().flat_map(|output| output_after(output, output.cut_at_end())).chain(found).collect()
 }
 
 /// A session, new or after some rows.
@@ -332,12 +320,7 @@ fn session(definition: usize, rows: usize) -> Recorded {
 
 /// Cuts the power during a session: no reported row is lost, every file can be read, and the session can be resumed and
 /// verified.
-fn session_after(
-    sweep: &Sweep,
-    recorded: &Recorded,
-    definition: usize,
-    rng: &mut ChaCha8Rng,
-) -> (String, usize, Vec<String>) {
+fn session_after(sweep: &Sweep, recorded: &Recorded, definition: usize, rng: &mut ChaCha8Rng) -> Vec<String> {
     let (folder, count) = recorded.cut(rng);
     let results = folder.path().join("first");
     let said = |change: &Change| if let Change::Say(row) = change { Some(row.clone()) } else { None };
@@ -349,7 +332,7 @@ fn session_after(
     if !verified.status.success() {
         wrong.push(format!("verify after {count} changes: {}{}", verified.stdout, verified.stderr));
     }
-    (recorded.name.clone(), rows.len(), wrong)
+    wrong
 }
 
 /// Commands whose files are checked. IN is a folder with a study, OUT the folder for the files.
@@ -396,7 +379,7 @@ impl Study {
 
 /// Cuts the power during a command: every file under its final name is complete, and once the command has ended, all
 /// files exist.
-fn output_after(recorded: &Recorded, (folder, count): (tempfile::TempDir, usize)) -> (String, usize, Vec<String>) {
+fn output_after(recorded: &Recorded, (folder, count): (tempfile::TempDir, usize)) -> Vec<String> {
     let files = |root: &Path| -> Vec<(PathBuf, Vec<u8>)> {
         let relative = |(path, content): (PathBuf, Vec<u8>)| (path.strip_prefix(root).unwrap().to_owned(), content);
         let mut found: Vec<_> = everything(root).into_iter().map(relative).collect();
@@ -417,5 +400,5 @@ fn output_after(recorded: &Recorded, (folder, count): (tempfile::TempDir, usize)
     if count == recorded.changes.len() && !lost.is_empty() {
         wrong.push(format!("not whole after the end: {lost:?}"));
     }
-    (recorded.name.clone(), 0, wrong)
+    wrong
 }

@@ -98,35 +98,6 @@ const STATUS: &str = "status";
 const STDOUT: &str = "stdout";
 const STDERR: &str = "stderr";
 
-/// How the outcome of a fault compares with the reference.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
-pub enum Kind {
-    /// The fault did not take effect.
-    Missed,
-    /// The outcome of the reference, perhaps with a warning.
-    Same,
-    /// It failed with an error of its own.
-    Told,
-    /// It was killed.
-    Killed,
-    /// Status 0 with another result, but with a warning of its own.
-    Said,
-    /// Another result, and not a word; or a panic.
-    Silent,
-    /// The next run without faults does not do what it must.
-    After,
-}
-
-/// What became of a fault.
-pub struct Finding {
-    pub kind: Kind,
-    pub reader: &'static str,
-    /// The fault, and the path that it concerned.
-    pub fault: String,
-    /// What differs.
-    pub what: String,
-}
-
 /// The data, as relative paths and contents, and what each reader does with them.
 struct Readings {
     data: Vec<(PathBuf, Vec<u8>)>,
@@ -325,13 +296,14 @@ impl Readings {
         all
     }
 
-    fn judge(&self, index: usize, fault: &Fault) -> Finding {
+    /// Injects a fault. Returns what is wrong: another result, and not a word; a panic; or a next run, without faults, that
+    /// does not do what it must.
+    fn judge(&self, index: usize, fault: &Fault) -> Option<String> {
         let (reader, reference) = (&READERS[index], &self.references[index].0);
         let scene = self.scene();
         let (found, log) = self.run(reader, &scene, std::slice::from_ref(fault));
-        let path =
-            log.hits.first().map_or("(no effect)", |hit| &hit.path).replace(&*scene.path().to_string_lossy(), ".");
-        let finding = |kind, what| Finding { kind, reader: reader.0, fault: format!("{fault} {path}"), what };
+        let path = log.hits.first()?.path.replace(&*scene.path().to_string_lossy(), ".");
+        let fails = |what: String| Some(format!("{} | {fault} {path} | {what}", reader.0));
         let is_in = |of: &Outcome, line: &str| of[STDERR].lines().any(|other| other == line);
         // A session also says in its sidecar what happened.
         let incidents = |of: &Outcome| of.values().filter(|text| text.contains("\"incidents\": [")).count();
@@ -340,32 +312,30 @@ impl Readings {
         let is_whole = reference[STDERR].lines().all(|line| is_in(&found, line));
         let what = difference(reference, &found, |part| part != STDERR || !is_whole);
         let was_killed = fault.what.starts_with("kill") && found[STATUS].starts_with("signal: 9");
-        let kind = match &*found[STATUS] {
-            _ if log.hits.is_empty() => Kind::Missed,
-            _ if what.is_empty() => Kind::Same,
-            _ if was_killed => Kind::Killed,
-            "exit status: 0" if is_new => Kind::Said,
-            "exit status: 1" | "exit status: 2" if is_new => Kind::Told,
-            _ => Kind::Silent,
-        };
-        // If the files are as before, so is the next run.
-        if [Kind::Told, Kind::Killed].contains(&kind) && files(scene.path()) != self.data {
-            let (again, _) = self.run(reader, &scene, &[]);
-            let wrong = match reader.3 {
-                Again::Same => difference(reference, &again, |_| true),
-                Again::Files => difference(reference, &again, |part| part.starts_with("./")),
-                Again::Repaired => {
-                    let is_recorded = again.values().any(|text| text.contains("\"repaired: "));
-                    let rows = difference(reference, &again, |part| part.ends_with("_data.csv"));
-                    rows + if is_recorded { "" } else { "the sidecar does not say that the rows were repaired" }
-                }
-                Again::Session => disk::faults_of_ended(&scene.path().join("open"), 0, &self.planned).join("; "),
-            };
-            if !wrong.is_empty() {
-                return finding(Kind::After, format!("{wrong}; {}", again[STDERR]));
-            }
+        match &*found[STATUS] {
+            _ if what.is_empty() => return None,
+            _ if was_killed => {}
+            // Another result, but with a warning of its own.
+            "exit status: 0" if is_new => return None,
+            "exit status: 1" | "exit status: 2" if is_new => {}
+            _ => return fails(what),
         }
-        finding(kind, what)
+        // If the files are as before, so is the next run.
+        if files(scene.path()) == self.data {
+            return None;
+        }
+        let (again, _) = self.run(reader, &scene, &[]);
+        let wrong = match reader.3 {
+            Again::Same => difference(reference, &again, |_| true),
+            Again::Files => difference(reference, &again, |part| part.starts_with("./")),
+            Again::Repaired => {
+                let is_recorded = again.values().any(|text| text.contains("\"repaired: "));
+                let rows = difference(reference, &again, |part| part.ends_with("_data.csv"));
+                rows + if is_recorded { "" } else { "the sidecar does not say that the rows were repaired" }
+            }
+            Again::Session => disk::faults_of_ended(&scene.path().join("open"), 0, &self.planned).join("; "),
+        };
+        if wrong.is_empty() { None } else { fails(format!("the next run: {wrong}; {}", again[STDERR])) }
     }
 }
 
@@ -391,20 +361,14 @@ fn lines(expected: &str, found: &str) -> String {
     format!("{} instead of {}", short(found), short(expected))
 }
 
-/// Injects this many faults, drawn from a seed, or all of them if there are fewer; returns what became of each.
-pub fn play(most: usize, seed: u64) -> Vec<Finding> {
+/// Injects this many faults, drawn from a seed, or all of them if there are fewer; returns their number, and every failure.
+pub fn play(most: usize, seed: u64) -> (usize, Vec<String>) {
     let readings = Readings::new();
     let mut faults = readings.faults();
     if faults.len() > most {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         faults = (0..most).map(|_| faults[rng.next_u64() as usize % faults.len()].clone()).collect();
     }
-    let judged = faults.par_iter().map(|(reader, fault)| {
-        let found = readings.judge(*reader, fault);
-        if found.kind > Kind::Killed {
-            crate::print(&format!("{:?} | {} | {} | {}", found.kind, found.reader, found.fault, found.what));
-        }
-        found
-    });
-    judged.collect()
+    let wrong = faults.par_iter().filter_map(|(reader, fault)| readings.judge(*reader, fault)).collect();
+    (faults.len(), wrong)
 }

@@ -1,7 +1,6 @@
 //! The test sessions, and the programs that run one and report what they did.
 
 use std::{
-    collections::BTreeMap,
     io::Write as _,
     path::{Path, PathBuf},
     process::{Command, ExitStatus, Stdio},
@@ -10,10 +9,7 @@ use std::{
 
 use jiff::Timestamp;
 use machband::{
-    experiment::{
-        Course, FrameCount, Identity, OrderedLogit, Protocol, RowContext, Session, SessionOptions, TrialRecord,
-        simulate,
-    },
+    experiment::{Course, Identity, Protocol, TrialRecord},
     store::{
         StoreError, definition,
         session::{Changes, Interrupted, SessionStore},
@@ -21,7 +17,7 @@ use machband::{
     },
 };
 
-use crate::common::MACHBAND;
+use crate::common::{self, MACHBAND};
 
 pub const SEED: u64 = 7;
 
@@ -143,17 +139,12 @@ fn begin(protocol: &Protocol, results: &Path, resume: bool) -> Result<(SessionSt
 /// Rates every remaining trial, until `record` returns an error. Returns the store and whether the session was
 /// completed.
 fn rate(
-    protocol: &Protocol,
     (mut store, found): (SessionStore, Interrupted),
     mut record: impl FnMut(&mut SessionStore, &TrialRecord) -> Result<(), ()>,
 ) -> (SessionStore, bool) {
-    let (schedule, elapsed) = (found.course.schedule().clone(), Duration::from_secs_f64(found.elapsed_s));
-    let (identity, origin) = (identity(), Timestamp::now() - elapsed);
-    let options = SessionOptions { pages: 0, frames: FrameCount::Off };
-    let mut session = Session::new(found.course, &found.resumed, options);
-    let context = RowContext { protocol, schedule: &schedule, identity: &identity, sitting: found.sitting };
-    let rated = simulate(&mut session, &OrderedLogit::default(), &identity, elapsed, |response| {
-        record(&mut store, &TrialRecord::new(&context, response, origin + response.onset))
+    let origin = Timestamp::now() - Duration::from_secs_f64(found.elapsed_s);
+    let rated = common::answer(&found, &identity(), |context, response| {
+        record(&mut store, &TrialRecord::new(context, response, origin + response.onset))
     });
     (store, rated.is_ok())
 }
@@ -162,7 +153,7 @@ fn rate(
 pub fn interrupted(definition: usize, results: &Path, rows: usize) -> Vec<String> {
     let protocol = protocol(definition);
     let mut lines = Vec::new();
-    rate(&protocol, begin(&protocol, results, false).unwrap(), |store, row| {
+    rate(begin(&protocol, results, false).unwrap(), |store, row| {
         if lines.len() == rows {
             return Err(());
         }
@@ -176,7 +167,7 @@ pub fn interrupted(definition: usize, results: &Path, rows: usize) -> Vec<String
 /// Writes a complete session with frames in which every rating was undone once and given again.
 pub fn undone(definition: usize, results: &Path) {
     let protocol = protocol(definition);
-    let (mut store, _) = rate(&protocol, begin(&protocol, results, false).unwrap(), |store, row| {
+    let (mut store, _) = rate(begin(&protocol, results, false).unwrap(), |store, row| {
         let (mut undone, mut again) = (row.clone(), row.clone());
         // Narrow bands are seen more clearly, but not in the last trial.
         again.rating.as_mut().unwrap().0 =
@@ -226,7 +217,7 @@ impl Child {
         let protocol = protocol(self.definition);
         let Ok(begun) = begin(&protocol, &self.results, self.resume).map_err(error) else { return false };
         let mut count = 0;
-        let (mut store, rated) = rate(&protocol, begun, |store, row| {
+        let (mut store, rated) = rate(begun, |store, row| {
             if let Err(error) = store.append(row) {
                 self.remedy(store, &error)?;
             }
@@ -261,21 +252,5 @@ impl Child {
             }
         }
         Err(())
-    }
-}
-
-/// The counts of a session: what was counted, and the number.
-pub type Counts = Vec<(&'static str, usize)>;
-
-#[derive(Debug, Default)]
-pub struct Table(BTreeMap<&'static str, usize>);
-
-impl Table {
-    pub fn add(&mut self, counts: Counts) {
-        counts.into_iter().for_each(|(what, n)| *self.0.entry(what).or_default() += n);
-    }
-
-    pub fn total(&self, what: &str) -> usize {
-        self.0.get(what).copied().unwrap_or_default()
     }
 }

@@ -16,7 +16,6 @@ use rayon::prelude::*;
 use crate::{
     disk,
     run::{self, DEFINITIONS, Report},
-    run::{Counts, Table},
     shim::{self, Fault, Hit, Log},
 };
 
@@ -137,21 +136,10 @@ impl Sweep {
         &self.planned[definition]
     }
 
-    /// Runs this many cases, several at a time; returns the table and every failure.
-    pub fn run(&self, cases: usize) -> (Table, Vec<String>) {
+    /// Runs this many cases, several at a time; returns the number of faults that took effect, and every failure.
+    pub fn run(&self, cases: usize) -> (usize, Vec<String>) {
         let found: Vec<_> = (0..cases).into_par_iter().map(|number| self.run_case(number)).collect();
-        let (mut table, mut wrong) = (Table::default(), Vec::new());
-        for (number, (case, hits, counts, faults)) in found.into_iter().enumerate() {
-            let is_hit = |fault: &&Fault| {
-                let what = format!("{}{}", fault.what, if fault.repeated { "+" } else { "" });
-                hits.iter().any(|hit| hit.op == fault.op && hit.what == what)
-            };
-            let struck = case.faults.iter().filter(is_hit).count();
-            table.add([counts, vec![("injected", case.faults.len()), ("took effect", struck)]].concat());
-            let seed = self.seed;
-            wrong.extend(faults.iter().map(|what| format!("seed {seed}, case {number}: {what}\n    {case:?}")));
-        }
-        (table, wrong)
+        (found.iter().map(|(struck, _)| struck).sum(), found.into_iter().flat_map(|(_, wrong)| wrong).collect())
     }
 
     /// The case with this number. The same seed always gives the same case.
@@ -257,8 +245,8 @@ impl Sweep {
         wrong.into_iter().map(|what| format!("while resuming: {what}")).collect()
     }
 
-    /// Runs one case; returns the case, the faults that took effect, the counts for the table, and every failure.
-    fn run_case(&self, number: usize) -> (Case, Vec<Hit>, Counts, Vec<String>) {
+    /// Runs one case; returns the number of faults that took effect, and every failure.
+    fn run_case(&self, number: usize) -> (usize, Vec<String>) {
         let case = self.case(number);
         let folder = folder();
         let mut recorded = self.prepare(&case, folder.path());
@@ -266,40 +254,30 @@ impl Sweep {
         let report = if case.binary { report_of_binary(&ended) } else { Report::read(&ended.stdout) };
         recorded.extend(report.rows.iter().cloned());
         let results = report.moved.clone().unwrap_or_else(|| folder.path().join("first"));
-        let csv = disk::paths(&results, case.definition).csv;
-        let mut wrong = Vec::new();
-
-        wrong.extend(unreported(&ended, &report, &log, folder.path()));
+        let mut wrong = unreported(&ended, &report, &log, folder.path());
         if report.done {
             let faults = disk::faults_of_ended(&results, case.definition, &self.planned[case.definition]);
             wrong.extend(faults.into_iter().map(|fault| format!("reported as complete, but {fault}")));
         }
-        let silent = wrong.len();
-        let unparsable = disk::unparsable(folder.path(), case.definition);
-        let gone = disk::lost(&csv, &recorded);
-        let (files, mut rows_lost) = (unparsable.len(), gone.len());
-        wrong.extend(unparsable.into_iter().chain(gone));
+        wrong.extend(disk::unparsable(folder.path(), case.definition));
+        wrong.extend(disk::lost(&disk::paths(&results, case.definition).csv, &recorded));
 
         wrong.extend(self.disturbed_again(&case, &results, folder.path()));
-        let mut faults = self.recovered(case.definition, &results, &recorded);
-        rows_lost += disk::lost(&csv, &recorded).len();
+        wrong.extend(self.recovered(case.definition, &results, &recorded));
         let undeletable =
             log.hits.iter().any(|hit| hit.op == "unlink" || hit.op == "list" || hit.path.ends_with(".tmp"))
                 || case.again.iter().any(|f| f.op == "unlink");
         let left = disk::temporary_files(&results);
         if !undeletable && !left.is_empty() {
-            faults.push(format!("left behind: {left:?}"));
+            wrong.push(format!("left behind: {left:?}"));
         }
-        let counts = vec![
-            ("reported an error", usize::from(!report.errors.is_empty())),
-            ("rows saved", report.rows.len()),
-            ("rows lost", rows_lost),
-            ("unreadable files", files),
-            ("silent failures", silent),
-            ("resumed", usize::from(faults.is_empty())),
-        ];
-        wrong.extend(faults);
-        (case, log.hits, counts, wrong)
+        let is_hit = |fault: &&Fault| {
+            let what = format!("{}{}", fault.what, if fault.repeated { "+" } else { "" });
+            log.hits.iter().any(|hit| hit.op == fault.op && hit.what == what)
+        };
+        let seed = self.seed;
+        let wrong = wrong.into_iter().map(|what| format!("seed {seed}, case {number}: {what}\n    {case:?}"));
+        (case.faults.iter().filter(is_hit).count(), wrong.collect())
     }
 }
 

@@ -224,31 +224,6 @@ fn answers_survive_edits_by_hand() {
     }
 }
 
-/// A row that an interrupted write left without its end is not shown as recorded by any command, whatever it still says.
-#[test]
-fn a_last_row_without_its_end_is_no_rating() {
-    let scratch = tempfile::tempdir().unwrap();
-    let definition = "schema = 1\nname = \"torn\"\ntitle = \"Torn\"\n[stimulus]\nkind = \"mach-band\"\ndepth = \"inf\"\n\
-                      [factors]\ntanh_k = [5, 7.5]\n[design]\nrepetitions = 8\npractice = 0\n";
-    fs::write(scratch.path().join("torn.toml"), definition).unwrap();
-    succeeds(scratch.path(), &["simulate", "torn.toml", "--observer", "paper", "--results", "results"]);
-    let csv = session_csv(&scratch.path().join("results"), "torn", "S001");
-    let whole = fs::read_to_string(&csv).unwrap();
-    let complete = whole.lines().position(|line| line.ends_with(",7.5")).unwrap();
-    let begun = whole.split_inclusive('\n').take(complete + 1).collect::<String>();
-    for cut in 1..4 {
-        fs::write(&csv, &begun[..begun.len() - cut]).unwrap();
-        let output = machband(scratch.path(), &["counts", csv.to_str().unwrap(), "--out", "c.csv", "--force"]);
-        let (said, found) = (text(&output.stderr), fs::read_to_string(scratch.path().join("c.csv")));
-        assert!(said.contains("the last row is cut off, as after an interrupted write"), "{cut}: {said}");
-        if complete > 1 {
-            let levels: Vec<String> =
-                found.unwrap().lines().skip(1).map(|row| row.split(',').nth(1).unwrap().into()).collect();
-            assert!(levels.iter().all(|level| level == "5" || level == "7.5"), "{levels:?}");
-        }
-    }
-}
-
 /// The data of a study are the same from whatever folder they are read, and so is what is missing.
 #[test]
 fn a_data_folder_is_one_under_any_path() {

@@ -147,7 +147,7 @@ labels = ["a", "b", "c", "d"] => labels = ["a", " ", "c", "d"] => 28:16 => label
 [instructions] => [participant]\nx = { choices = ["n/a"] }\n[instructions] => 36:18 => choice "n/a" cannot be recorded
 [instructions] => [participant]\nsex = { choices = ["femal"] }\n[instructions] => 36:20 => "femal" | did you mean female? | choice_labels
 [instructions] => [participant]\nsex = { choice_labels = ["w"] }\n[instructions] => 36:9 => choice_labels has length 1; expected 3
-[instructions] => [participant]\nsessions = {}\n[instructions] => 36:1 => sessions already has another meaning
+[instructions] => [participant]\nspecies = {}\n[instructions] => 36:1 => species already has another meaning
 # Scripts.
 welcome = "Hello" => welcome = "שלום" => 36:1 => Hebrew, which is written from right to left
 # Too many trials.

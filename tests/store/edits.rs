@@ -321,6 +321,7 @@ const STATED: [(&[&str], &[&str], &str); 10] = [
     (
         &[
             "/sittings/1/seal/data_bytes changed",
+            "/sittings/1/seal/data_rows changed",
             "/sittings/1/seal/frames_bytes removed",
             "/sittings/1/seal/frames_bytes changed",
             "/sittings/1/seal/frames_sha256 removed",

@@ -84,6 +84,7 @@ fn resuming_refuses_a_changed_session_or_records_the_change_permanently() {
         assert_eq!(error.remedy(), Some("accept_changes"), "{what}: {error}");
         let error = error.to_string();
         assert!(error.contains("seal") || error.contains("was changed since"), "{what}: {error}");
+        assert_eq!(error.contains(" rows instead of "), what.contains("row"), "{what}: {error}");
         assert_eq!(everything(folder.path()), before, "{what}");
         let (mut store, found) = accept(folder.path());
         sit(&mut store, Some(&found), usize::MAX);
@@ -223,7 +224,7 @@ fn repair_moves_damaged_lines_and_deletes_no_byte() {
     assert!(SessionStore::resume(folder.path(), &small(), &identity(), None, sitting(), Changes::Accept).is_err());
     let said = succeeds(folder.path(), &["repair", csv.to_str().unwrap()]);
     let aside = csv.with_file_name("subject-S001_session-1_task-smallone_data.csv.damaged-1");
-    assert!(said.contains("2 damaged lines moved") && said.contains("damaged-1: 4, 5"), "{said}");
+    assert!(said.contains("damaged lines were moved to ") && said.contains("damaged-1: 4, 5"), "{said}");
     assert_eq!(fs::read_to_string(&csv).unwrap(), [head, tail].concat());
     assert_eq!(fs::read_to_string(&aside).unwrap(), damaged);
     assert!(succeeds(folder.path(), &["repair", "small-one"]).contains("_data.csv: no line is damaged"));
@@ -266,6 +267,11 @@ fn repair_moves_damaged_lines_and_deletes_no_byte() {
     let said = succeeds(folder.path(), &["repair", csv.to_str().unwrap()]);
     assert!(said.ends_with("_data.csv: the header was restored\n"), "{said}");
     assert_eq!((files(), fs::read_to_string(&csv).unwrap()), (before, whole.clone()));
+    // The seal says how many rows are gone.
+    fs::write(&csv, lines[0]).unwrap();
+    let said = succeeds(folder.path(), &["repair", csv.to_str().unwrap()]);
+    let expected = format!("no line is damaged; of the {} rows that were sealed, 0 are left\n", rows.len());
+    assert!(said.ends_with(&expected), "{said}");
     let repeated = [&lines[..3], &lines[2..]].concat();
     assert_eq!(moved(&repeated), (vec![4], whole.clone()));
     // Rows in another order stay as they are: no intact row is moved.
@@ -289,19 +295,24 @@ fn repair_moves_damaged_lines_and_deletes_no_byte() {
 }
 
 #[test]
-fn a_repair_notes_missing_rows() {
+fn an_analysis_tells_missing_rows_and_a_repair_notes_them() {
     let folder = tempfile::tempdir().unwrap();
     recording::rate(&mut create(folder.path()).unwrap(), (&small(), &identity()), None, 5, false).unwrap();
     let csv = paths(folder.path()).csv;
+    let analyzed = || machband(folder.path(), &["counts", "small-one", "--out", "counts.csv", "--force"]);
+    assert!(!text(&analyzed().stderr).contains("without a row"));
     // Rows 1 and 2 are practice, so this is the second main trial.
     edit(&csv, |text| text.split_inclusive('\n').enumerate().filter(|(i, _)| *i != 4).map(|(_, line)| line).collect());
     let gap = "row S001_1_main_0003_1 has no row of main trial 2 above it";
     assert!(errors(&csv).contains(&format!("_data.csv:5:1: {gap}")), "{}", errors(&csv));
-    assert!(succeeds(folder.path(), &["repair", "small-one"]).contains("no line is damaged, but rows are missing"));
-    assert!(verified(&csv).notes.join("; ").contains("repaired: rows are missing"));
+    let warning = text(&analyzed().stderr);
+    assert!(warning.contains("main trials without a row, although later trials have one: 1"), "{warning}");
+    assert!(succeeds(folder.path(), &["repair", "small-one"]).contains("no line is damaged; rows are missing before"));
+    assert!(verified(&csv).notes.join("; ").contains("repaired: no line is damaged; rows are missing"));
     assert!(succeeds(folder.path(), &["repair", "small-one"]).contains("_data.csv: no line is damaged\n"));
     let (mut store, found) = resume(folder.path()).unwrap();
     sit(&mut store, Some(&found), usize::MAX);
+    assert!(!text(&analyzed().stderr).contains("without a row"));
 }
 
 /// Records one session of `quick` with the simulated observer.

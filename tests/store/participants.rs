@@ -7,7 +7,13 @@ use std::{
 
 use machband::{
     experiment::{Answers, Identity, ParticipantField, Protocol},
-    store::{dataset::SessionPaths, definition, session::SessionStore, sidecar::Sidecar},
+    store::{
+        dataset::SessionPaths,
+        definition,
+        export::{Choice, Format, export},
+        session::SessionStore,
+        sidecar::Sidecar,
+    },
 };
 use serde_json::{Value, json};
 
@@ -105,7 +111,9 @@ fn no_participant_is_lost_among_sessions_that_run_at_the_same_time() {
     rows.sort();
     assert_eq!(rows.len(), 8);
     assert_eq!(rows[2], ["sub-S003", "23", "n/a", "2026-01-31", "chess and go"]);
-    let described = read_json(&dataset.join("participants.json"));
+    let exported = tempfile::tempdir().unwrap();
+    export(results, &exported.path().join("out"), Format::Bids, Choice::default()).unwrap();
+    let described = read_json(&exported.path().join("out/participants.json"));
     assert_eq!((&described["age"]["Units"], &described["consent"]["Text"]), (&json!("years"), &json!("I take part.")));
     assert_eq!(described["sex"]["Levels"], json!({ "female": "female", "male": "male", "other": "other" }));
     let csv = csv_of(results, "S003");

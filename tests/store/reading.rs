@@ -700,7 +700,7 @@ mod errors {
         }
         let width = columns(&small()).len();
         type Damage = fn(String) -> Vec<u8>;
-        let cases: [(Damage, String, u64); 11] = [
+        let cases: [(Damage, String, u64); 13] = [
             (
                 |text| {
                     let at = text.find("\nS1_1_main_0011_1").unwrap() + "\nS1_1_main_0011_1,small-".len();
@@ -714,11 +714,10 @@ mod errors {
                 format!("18:1: the row has {} cells; expected {width}, as in the header", width + 1),
                 23,
             ),
-            (
-                |text| text[..text.len() - 30].into(),
-                format!("19:1: the last row is cut off, {interrupted}"),
-                23,
-            ),
+            (|text| text[..text.len() - 30].into(), format!("19:1: the last row is cut off, {interrupted}"), 23),
+            // What is left of the last level looks like a level, and only the line feed is missing.
+            (|text| text[..text.len() - 3].into(), format!("19:1: the last row is cut off, {interrupted}"), 23),
+            (|text| text[..text.len() - 1].into(), format!("19:1: the last row is cut off, {interrupted}"), 23),
             (|text| (text + "S1_1_ma").into(), format!("20:1: the last row is cut off, {interrupted}"), 24),
             (|text| (text + &"\0".repeat(5000)).into(), format!("20:1: the last row contains zero bytes, {interrupted}"), 24),
             (

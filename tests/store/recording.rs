@@ -4,10 +4,7 @@ use std::{path::Path, time::Duration};
 
 use jiff::Timestamp;
 use machband::{
-    experiment::{
-        Course, FrameCount, Identity, OrderedLogit, Protocol, RowContext, Session, SessionOptions, TrialRecord,
-        TrialResponse, simulate, task::Answer,
-    },
+    experiment::{Course, Identity, Protocol, TrialRecord, TrialResponse, task::Answer},
     store::{
         StoreError,
         dataset::SessionPaths,
@@ -78,17 +75,11 @@ pub fn rate(
     again: bool,
 ) -> Result<(), StoreError> {
     let new = Interrupted::before_the_first_trial(Course::new(protocol, identity, SEED).unwrap());
-    let schedule = new.course.schedule().clone();
-    let found = found.unwrap_or(&new);
-    let options = SessionOptions { pages: 0, frames: FrameCount::Off };
-    let mut session = Session::new(found.course.clone(), &found.resumed, options);
-    let start = Duration::from_secs_f64(found.elapsed_s);
     let mut left = limit;
-    let rated = simulate(&mut session, &OrderedLogit::default(), identity, start, |response| {
+    let rated = common::answer(found.unwrap_or(&new), identity, |context, response| {
         left = left.checked_sub(1).ok_or(None)?;
-        let context = RowContext { protocol, schedule: &schedule, identity, sitting: found.sitting };
         let mut append = |what: &TrialResponse| {
-            store.append(&TrialRecord::new(&context, what, Timestamp::UNIX_EPOCH + what.onset)).map_err(Some)
+            store.append(&TrialRecord::new(context, what, Timestamp::UNIX_EPOCH + what.onset)).map_err(Some)
         };
         append(response)?;
         if again && response.trial % 4 == 3 {

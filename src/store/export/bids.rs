@@ -17,7 +17,7 @@ use crate::{
     stimulus::Stimulus,
     store::{
         FileErrors, StoreError,
-        dataset::{DESCRIPTION, MISSING, PARTICIPANTS, PARTICIPANTS_DESCRIBED, collect},
+        dataset::{DESCRIPTION, MISSING, PARTICIPANTS, PARTICIPANTS_DESCRIBED},
         file::{make_folder, parse_json, write_file, write_json},
         image,
         manifest::labeled,
@@ -47,7 +47,9 @@ pub(super) fn write(experiments: &[Experiment], to: &Path, notes: &mut Vec<Strin
     let (stimuli, pictures) = write_stimuli(experiments, &to.join("stimuli"), notes)?;
     write_json(&to.join(DESCRIPTION), &description(experiments)?)?;
     write_file(&to.join("README.md"), readme(experiments).as_bytes())?;
-    write_participants(experiments, to, notes)?;
+    let (participants, described) = sessions::participants(experiments, notes)?;
+    write_file(&to.join(PARTICIPANTS), participants.text().as_bytes())?;
+    write_json(&to.join(PARTICIPANTS_DESCRIBED), &described)?;
     for experiment in experiments {
         sessions::copy(experiment, &to.join("sourcedata").join(&experiment.name), notes)?;
         let protocol = &experiment.sessions[0].protocol;
@@ -303,22 +305,6 @@ study's own pictures are not included.
 `sourcedata/` contains the data as recorded: a Psych-DS data set for each experiment. The JSON file next to each CSV file
 contains the definition, the display profile and a record of the session.
 "
-}
-
-/// Writes a row for each participant: what they answered.
-fn write_participants(experiments: &[Experiment], to: &Path, notes: &mut Vec<String>) -> Result<(), StoreError> {
-    let datasets: Vec<_> = experiments.iter().map(Experiment::datasets).collect::<Result<_, _>>()?;
-    let (mut participants, mut descriptions, differences) = collect(datasets.into_iter().flatten())?;
-    notes.extend(differences);
-    for session in experiments.iter().flat_map(|experiment| &experiment.sessions) {
-        participants.put(session.identity.subject(), None);
-    }
-    participants.rows.sort();
-    let described = participants.columns.iter().map(|column| {
-        (column.clone(), descriptions.remove(column).unwrap_or_else(|| json!({ "Description": column })))
-    });
-    write_json(&to.join(PARTICIPANTS_DESCRIBED), &described.collect::<Map<_, _>>().into())?;
-    write_file(&to.join(PARTICIPANTS), participants.text().as_bytes())
 }
 
 /// Number of digits of a hash in a file name.

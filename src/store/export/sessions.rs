@@ -7,15 +7,15 @@ use std::{
 };
 
 use rayon::prelude::*;
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 
 use crate::{
-    experiment::{columns, name_error},
+    experiment::{FieldKind, columns, name_error},
     store::{
         FileError, FileErrors, StoreError,
         dataset::{
-            self, DESCRIPTION, FRAMES_SUFFIX, MAX_DESCRIPTION, PARTICIPANTS, PARTICIPANTS_DESCRIBED, SIDECAR_SUFFIX,
-            beside, collect, describe,
+            self, DESCRIPTION, FRAMES_SUFFIX, MAX_DESCRIPTION, PARTICIPANTS, PARTICIPANTS_DESCRIBED, Participants,
+            SIDECAR_SUFFIX, beside, collect, describe,
         },
         error::io,
         file::{RECORDING, make_folder, parse_json, read_existing, sha256, write_file, write_json},
@@ -75,7 +75,7 @@ pub(super) fn refuse_links(from: &Path, files: &[PathBuf]) -> Result<(), FileErr
     for csv in files {
         paths.extend(csv.ancestors().take_while(|path| *path != from).map(Path::to_owned));
         paths.extend([SIDECAR_SUFFIX, FRAMES_SUFFIX].map(|suffix| beside(csv, suffix)));
-        let names = DESCRIBING.into_iter().chain([PARTICIPANTS, PARTICIPANTS_DESCRIBED]);
+        let names = DESCRIBING.into_iter().chain([PARTICIPANTS]);
         let dataset = dataset::of(csv).map_err(|error| FileErrors(error.errors(csv)))?;
         paths.extend(dataset.into_iter().flat_map(|dataset| names.clone().map(move |name| dataset.join(name))));
     }
@@ -217,11 +217,10 @@ pub(super) fn copy(experiment: &Experiment, folder: &Path, notes: &mut Vec<Strin
             write_file(&folder.join(name), &content)?;
         }
     }
-    let (participants, descriptions, found) = collect(experiment.datasets()?)?;
-    notes.extend(found);
-    if !participants.rows.is_empty() {
+    let (participants, described) = participants(std::slice::from_ref(experiment), notes)?;
+    if participants.columns.len() > 1 {
         write_file(&folder.join(PARTICIPANTS), participants.text().as_bytes())?;
-        write_json(&folder.join(PARTICIPANTS_DESCRIBED), &descriptions.into())?;
+        write_json(&folder.join(PARTICIPANTS_DESCRIBED), &described)?;
     }
     for session in &experiment.sessions {
         signals::check(&session.csv)?;
@@ -233,6 +232,32 @@ pub(super) fn copy(experiment: &Experiment, folder: &Path, notes: &mut Vec<Strin
         }
     }
     Ok(())
+}
+
+/// Returns a row for each participant, and a description of the columns.
+///
+/// # Errors
+/// A table of participants cannot be read.
+pub(super) fn participants(
+    experiments: &[Experiment],
+    notes: &mut Vec<String>,
+) -> Result<(Participants, Value), StoreError> {
+    let datasets: Vec<_> = experiments.iter().map(Experiment::datasets).collect::<Result<_, _>>()?;
+    let (participants, found) = collect(datasets.into_iter().flatten())?;
+    notes.extend(found);
+    let columns = participants.columns.iter();
+    let mut described: Map<_, _> = columns.map(|name| (name.clone(), json!({ "Description": name }))).collect();
+    let protocols = experiments.iter().flat_map(|one| &one.sessions).map(|session| &session.protocol);
+    for field in protocols.flat_map(|protocol| &protocol.participant.0) {
+        let (description, unit) = field.description();
+        let Some(entry) = described.get_mut(&field.name) else { continue };
+        entry["Description"] = description.into();
+        unit.into_iter().for_each(|unit| entry["Units"] = unit.into());
+        field.spec.text.iter().for_each(|text| entry["Text"] = text.as_str().into());
+        let levels = field.options().into_iter().filter(|_| field.kind() == FieldKind::Choice);
+        levels.for_each(|(choice, label)| entry["Levels"][choice] = label.into());
+    }
+    Ok((participants, described.into()))
 }
 
 /// Returns a file that describes the data sets of an experiment, with its content; `None` if they have no such file.

@@ -1,7 +1,7 @@
 //! The results folder of an experiment, which is a Psych-DS 1.5 data set, and the files that describe it to people and
 //! programs: `dataset_description.json`, `README.md`, `CHANGES.md`, the list of files that are not data, and, as in BIDS,
-//! `participants.tsv` with its description `participants.json`. The table has one row for each participant with their latest
-//! answers; the sidecar of each session has the answers of that session.
+//! `participants.tsv`. This table has one row for each participant with their latest answers; the sidecar of each session has
+//! the answers of that session, and the definition, which describes the columns.
 
 use std::{
     collections::{BTreeSet, HashSet},
@@ -9,16 +9,16 @@ use std::{
     time::Duration,
 };
 
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use crate::{
-    experiment::{Answers, Column, Definition, FieldKind, Identity, ParticipantFields, Protocol, columns},
+    experiment::{Answers, Column, Definition, Identity, ParticipantFields, Protocol, columns},
     store::{
         FileError, FileErrors, StoreError,
         error::io,
         file::{
-            ABANDONED, LOCK_SUFFIX, exists, folder_of, in_turn, make_folder, parse_json, read_existing,
-            remove_temporary, write_json, write_missing, write_whole,
+            ABANDONED, LOCK_SUFFIX, exists, folder_of, in_turn, make_folder, read_existing, remove_temporary,
+            write_json, write_missing, write_whole,
         },
     },
     system::{entries, link_target, unless_missing},
@@ -41,8 +41,8 @@ pub(super) const CHANGES: &str = "CHANGES.md";
 
 /// Name of the table of the participants, which is next to the description of the data set.
 pub const PARTICIPANTS: &str = "participants.tsv";
-/// Name of the file that describes its columns.
-pub const PARTICIPANTS_DESCRIBED: &str = "participants.json";
+/// Name of the file that describes its columns in an export.
+pub(in crate::store) const PARTICIPANTS_DESCRIBED: &str = "participants.json";
 
 /// The paths of the files of one session.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -104,7 +104,7 @@ impl SessionPaths {
     /// Reports the first link.
     pub(crate) fn refuse_links(&self) -> Result<(), StoreError> {
         let data = self.dataset.join("data");
-        let shared = [CHANGES, PARTICIPANTS, PARTICIPANTS_DESCRIBED].map(|name| self.dataset.join(name));
+        let shared = [CHANGES, PARTICIPANTS].map(|name| self.dataset.join(name));
         for path in [&self.dataset, &data, &self.csv, &self.sidecar, &self.frames].into_iter().chain(&shared) {
             refuse_link(path)?;
         }
@@ -291,10 +291,7 @@ fn readme(protocol: &Protocol) -> String {
     let Definition { name, title, participant, .. } = &**protocol;
     let participants = match participant.is_empty() {
         true => String::new(),
-        false => format!(
-            "- `{PARTICIPANTS}`: what each participant answered before the first page, with the columns described in
-  `{PARTICIPANTS_DESCRIBED}`.\n"
-        ),
+        false => format!("- `{PARTICIPANTS}`: what each participant answered before the first page.\n"),
     };
     let version = env!("CARGO_PKG_VERSION");
     format!(
@@ -397,7 +394,7 @@ impl Participants {
 
     /// Sets values in a participant's row, and adds the row and the columns that are missing. A value that is `None`
     /// does not replace an earlier one.
-    pub fn put<'a>(&mut self, subject: &str, values: impl IntoIterator<Item = (&'a str, Option<String>)>) {
+    fn put<'a>(&mut self, subject: &str, values: impl IntoIterator<Item = (&'a str, Option<String>)>) {
         let at = self.rows.iter().position(|row| is_of(row, subject)).unwrap_or_else(|| {
             let mut row = vec![MISSING.to_owned(); self.columns.len()];
             row[0] = format!("sub-{subject}");
@@ -458,12 +455,11 @@ fn is_of(row: &[String], subject: &str) -> bool {
     bare.eq_ignore_ascii_case(subject)
 }
 
-/// Enters the answers of a participant into the table of a data set, and describes its columns. Other programs that do
-/// this at the same time wait for each other. Rows of other participants are kept.
+/// Enters the answers of a participant into the table of a data set. Other programs that do this at the same time wait for
+/// each other. Rows of other participants are kept.
 ///
 /// # Errors
-/// The files cannot be read or written, or they are not a table of participants and its description. The table is then
-/// unchanged.
+/// The file cannot be read or written, or it is not a table of participants. It is then unchanged.
 pub(super) fn enter(
     dataset: &Path,
     subject: &str,
@@ -477,83 +473,36 @@ pub(super) fn enter(
             value.as_str().map_or_else(|| value.to_string(), |text| text.replace(['\t', '\n', '\r'], " "))
         };
         table.put(subject, fields.0.iter().map(|field| (&*field.name, answers.get(&field.name).map(cell))));
-        describe_participants(dataset, fields)?;
         write_whole(&dataset.join(PARTICIPANTS), table.text().as_bytes(), true)
     })
 }
 
-/// Reads the description of the columns; if there is none, it is empty.
+/// Collects what several data sets say about these participants of theirs, with notes about values that differ or are
+/// missing.
 ///
 /// # Errors
-/// The file cannot be read, or it is not an object in JSON.
-fn described_participants(dataset: &Path) -> Result<Map<String, Value>, StoreError> {
-    let path = dataset.join(PARTICIPANTS_DESCRIBED);
-    let found = read_existing(&path, MAX_PARTICIPANTS)?;
-    found.map_or_else(|| Ok(Map::new()), |text| Ok(parse_json(&path, &text, "a description of columns")?))
-}
-
-/// The rows of participants, the description of the columns, and notes about values that differ.
-type Collected = (Participants, Map<String, Value>, Vec<String>);
-
-/// Collects what several data sets say about these participants of theirs.
-///
-/// # Errors
-/// The files cannot be read; a spreadsheet would interpret a cell as a formula; or data sets describe a column with
-/// different units or levels.
+/// A table cannot be read, or a spreadsheet would interpret a cell as a formula.
 pub(in crate::store) fn collect<'a>(
     datasets: impl IntoIterator<Item = (PathBuf, BTreeSet<&'a str>)>,
-) -> Result<Collected, StoreError> {
+) -> Result<(Participants, Vec<String>), StoreError> {
     let mut participants = Participants { columns: vec![ID.to_owned()], rows: Vec::new() };
-    let (mut descriptions, mut notes) = (Map::new(), Vec::new());
+    let mut notes = Vec::new();
     for (dataset, subjects) in datasets {
-        let table = Participants::read(&dataset)?;
-        let cells = || table.rows.iter().zip(2..).flat_map(|(row, line)| row.iter().map(move |cell| (line, cell)));
-        let errors = cells().filter(|(_, cell)| is_formula(cell)).map(|(line, cell)| {
+        let (path, table) = (dataset.join(PARTICIPANTS), Participants::read(&dataset)?);
+        let cells = (2..).zip(&table.rows).flat_map(|(line, row)| row.iter().map(move |cell| (line, cell)));
+        let errors = cells.filter(|(_, cell)| is_formula(cell)).map(|(line, cell)| {
             let expected = "expected text that begins with another character";
-            let message = format!("spreadsheets would treat {cell:?} as a formula; {expected}");
-            FileError::at(dataset.join(PARTICIPANTS), (line, 1), message)
+            FileError::at(&path, (line, 1), format!("spreadsheets would treat {cell:?} as a formula; {expected}"))
         });
         FileErrors::none(errors.collect())?;
-        let path = dataset.join(PARTICIPANTS);
         notes.extend(participants.add((&path, &table), &subjects));
-        let missing: Vec<&str> =
-            subjects.iter().filter(|subject| !table.rows.iter().any(|row| is_of(row, subject))).copied().collect();
+        let has_no_row = |subject: &&&str| !table.rows.iter().any(|row| is_of(row, subject));
+        let missing: Vec<&str> = subjects.iter().filter(has_no_row).copied().collect();
         if !missing.is_empty() && exists(&path)? {
             notes.push(format!("{}: has no row for {}", path.display(), missing.join(", ")));
         }
-        let path = dataset.join(PARTICIPANTS_DESCRIBED);
-        for (column, description) in described_participants(&dataset)? {
-            let known = descriptions.entry(column.clone()).or_insert_with(|| description.clone());
-            // Other words may mean the same, but the same value in another unit or of other levels does not.
-            if ["Units", "Levels"].iter().any(|key| known.get(key) != description.get(key)) {
-                let message = format!(
-                    "describes other units or levels of {column:?} than another data set does; expected the same, or one export for each folder"
-                );
-                return Err(FileErrors::whole(path, message).into());
-            }
-        }
+        subjects.iter().for_each(|subject| participants.put(subject, None));
     }
-    Ok((participants, descriptions, notes))
-}
-
-/// Describes the columns that are not described yet. Manual entries are kept.
-fn describe_participants(dataset: &Path, fields: &ParticipantFields) -> Result<(), StoreError> {
-    let mut all = described_participants(dataset)?;
-    let before = all.len();
-    all.entry(ID).or_insert_with(|| json!({ "Description": "Participant." }));
-    for field in &fields.0 {
-        let (description, unit) = field.description();
-        let mut entry = json!({ "Description": description });
-        if let Some(unit) = unit {
-            entry["Units"] = unit.into();
-        }
-        if let Some(text) = &field.spec.text {
-            entry["Text"] = text.as_str().into();
-        }
-        if field.kind() == FieldKind::Choice {
-            entry["Levels"] = field.options().into_iter().map(|(choice, label)| (choice, Value::from(label))).collect();
-        }
-        all.entry(&field.name).or_insert(entry);
-    }
-    if all.len() == before { Ok(()) } else { write_json(&dataset.join(PARTICIPANTS_DESCRIBED), &all.into()) }
+    participants.rows.sort();
+    Ok((participants, notes))
 }

@@ -18,7 +18,7 @@ use crate::{
     store::{
         FileErrors, StoreError,
         error::io,
-        file::{LockFile, put, sha256, sync_folder, write_whole},
+        file::{put, sha256, sync_folder, write_whole},
         open::read_regular,
     },
 };
@@ -72,8 +72,7 @@ pub fn repair(csv: &Path) -> Result<Repaired, StoreError> {
     let (sidecar_path, mut sidecar, protocol) = Sidecar::of(csv)?;
     let columns = columns(&protocol);
     // This locks the file.
-    let open = results::open(csv, &columns)?;
-    let _lock = LockFile::create(csv, open.is_locked())?;
+    let _locked = results::open(csv, &columns)?;
     let before = results::content(csv)?;
     let (mut repaired, damaged, kept) = sort(&before, (&protocol, &identity, &sidecar), &columns, csv)?;
     repaired.has_gaps &= repaired.lines.is_empty() && !sidecar.is_repaired();

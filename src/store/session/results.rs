@@ -56,6 +56,11 @@ pub(in crate::store) fn whole(
     Ok((complete_lines_or_header(path, whole, partial_line.as_deref(), header(columns))?, partial_line))
 }
 
+/// Returns the number of rows in the content of a result file with a header.
+pub(super) fn count(content: &[u8]) -> usize {
+    content.iter().filter(|byte| **byte == b'\n').count().saturating_sub(1)
+}
+
 pub(super) fn header(columns: &[Column]) -> Vec<u8> {
     table::line(columns.iter().map(|column| &column.name))
 }

@@ -70,9 +70,15 @@ pub(super) fn differences(
             }
             continue;
         };
+        let rows = results::count(data);
+        let lost = |path: &Path| path == csv && !is_prefix && rows < seal.data_rows;
         let mut compare = |path: &Path, is: Result<String, String>, was: &str| {
             let message = match is {
                 Ok(is) if is == was => return,
+                Ok(is) if lost(path) => format!(
+                    "was changed since {since}: sha256 {is}; expected {was}, with {} rows instead of {rows}",
+                    seal.data_rows
+                ),
                 Ok(is) => format!("was changed since {since}: sha256 {is}; expected {was}"),
                 Err(why) => format!("{why}; expected the file with sha256 {was} that the session wrote"),
             };

@@ -4,7 +4,7 @@ use std::{path::Path, sync::Arc};
 
 use super::{
     dataset::{PARTICIPANTS, SessionPaths, enter},
-    recorded::{Replays, replay},
+    recorded::replay,
     results,
     seal::{self, accepted, previous},
     sidecar::{FrameSummary, Seal, Sidecar, Sitting, missing},
@@ -14,7 +14,7 @@ use crate::{
     stimulus::Stimulus,
     store::{
         FileError, FileErrors, StoreError, definition,
-        file::{AppendFile, LockFile, exists, sha256},
+        file::{AppendFile, exists, sha256},
         table,
     },
 };
@@ -31,9 +31,6 @@ pub struct SessionStore {
     frames: Option<AppendFile>,
     /// True if a failure to write frames has already been noted.
     frames_refused: bool,
-    /// Tells other programs that this one is writing the session; `None` if the session is complete, or if a lock of the
-    /// operating system tells them.
-    lock: Option<LockFile>,
 }
 
 /// What happens to a session whose files were changed after it ended.
@@ -93,27 +90,20 @@ impl SessionStore {
         rows.flush()?;
         let mut sidecar = Sidecar::new(protocol, seed, sitting);
         sidecar.sittings[0].incidents.extend(undescribed);
-        let locked = LockFile::create(&paths.csv, rows.is_locked()).and_then(|lock| {
-            sidecar.sittings[0].incidents.extend(lock.as_ref().map(|_| LockFile::INCIDENT.to_owned()));
-            sidecar.write(&paths.sidecar)?;
-            Ok(lock)
-        });
-        let lock = match locked {
-            Ok(lock) => lock,
-            Err(error) => {
-                // Nothing is recorded yet, so the next attempt must not find an existing session, least of all a
-                // sidecar without rows. If the sidecar cannot be removed, the session can still be resumed.
-                let removed = std::fs::remove_file(&paths.sidecar);
-                drop(rows);
-                if removed.is_ok() || !exists(&paths.sidecar).unwrap_or(true) {
-                    let _ = std::fs::remove_file(&paths.csv);
-                }
-                return Err(error);
+        sidecar.sittings[0].incidents.extend(rows.lock_incident());
+        if let Err(error) = sidecar.write(&paths.sidecar) {
+            // Nothing is recorded yet, so the next attempt must not find an existing session, least of all a sidecar
+            // without rows. If the sidecar cannot be removed, the session can still be resumed.
+            let removed = std::fs::remove_file(&paths.sidecar);
+            drop(rows);
+            if removed.is_ok() || !exists(&paths.sidecar).unwrap_or(true) {
+                let _ = std::fs::remove_file(&paths.csv);
             }
-        };
+            return Err(error);
+        }
         let frames = Some(results::new_frames(&paths.frames));
         let (protocol, identity) = (protocol.clone(), identity.clone());
-        Ok(Self { protocol, identity, paths, rows, sidecar, frames, frames_refused: false, lock })
+        Ok(Self { protocol, identity, paths, rows, sidecar, frames, frames_refused: false })
     }
 
     /// Resumes an interrupted session.
@@ -130,20 +120,15 @@ impl SessionStore {
         sitting: Sitting,
         changes: Changes,
     ) -> Result<(Self, Interrupted), StoreError> {
-        let found = Found::read(results, protocol, identity, seed, changes)?;
-        let is_finished = found.is_finished();
-        let Found { paths, rows, sidecar, differences, course, replays, recovered } = found;
-        let resumed = Resumed { done: replays.done(), ..Resumed::default() };
-        let partial_line = rows.partial_line().map(str::to_owned);
-        let sitting_number = sidecar.sittings.len() as u32 + 1;
+        let Found { paths, rows, sidecar, differences, interrupted, is_finished } =
+            Found::read(results, protocol, identity, seed, changes)?;
         let frames = results::open_frames(&paths.frames);
         let without_frames = frames.as_ref().err().map(ToString::to_string);
         let (protocol, identity, frames) = (protocol.clone(), identity.clone(), frames.ok());
-        let mut store = Self { protocol, identity, paths, rows, sidecar, frames, frames_refused: false, lock: None };
+        let mut store = Self { protocol, identity, paths, rows, sidecar, frames, frames_refused: false };
         store.paths.remove_temporary(true);
         // From here on, the files are changed, unless the session is complete.
         if !is_finished {
-            store.lock = LockFile::create(&store.paths.csv, store.rows.is_locked())?;
             if let Some(first) = differences.iter().map(|(sitting, _)| *sitting).min() {
                 let now = store.seal_of_files();
                 store.sidecar.reseal(first, &now);
@@ -151,7 +136,7 @@ impl SessionStore {
             store.sidecar.sittings.push(sitting);
             store.note_lock();
             differences.iter().for_each(|(_, difference)| store.note(accepted(difference)));
-            if let Some(partial_line) = &partial_line {
+            if let Some(partial_line) = &interrupted.partial_line {
                 store.note(format!(
                     "an incomplete last row was removed, and its trial was shown again: {partial_line:?}"
                 ));
@@ -162,17 +147,6 @@ impl SessionStore {
             store.sidecar.write(&store.paths.sidecar)?;
             store.rows.flush()?;
         }
-        let last = recovered.last();
-        // Times of answers are measured from the last interval, and onsets are those of the first.
-        let lead_s = course.protocol().task.layout().lead_s();
-        let interrupted = Interrupted {
-            resumed,
-            elapsed_s: last.map_or(0.0, |row| row.onset_s.0 + lead_s + row.response_time_s.0),
-            rows: recovered,
-            sitting: sitting_number,
-            partial_line,
-            course,
-        };
         Ok((store, interrupted))
     }
 
@@ -188,7 +162,7 @@ impl SessionStore {
         seed: Option<u64>,
         changes: Changes,
     ) -> Result<bool, StoreError> {
-        Ok(Found::read(results, protocol, identity, seed, changes)?.is_finished())
+        Ok(Found::read(results, protocol, identity, seed, changes)?.is_finished)
     }
 
     /// Keeps what the participant answered before the first page: in the sidecar, and in the participants of the data
@@ -258,7 +232,7 @@ impl SessionStore {
             let undescribed = self.paths.prepare(&self.protocol)?;
             self.sitting().incidents.extend(undescribed);
             self.rows.continue_in(&self.paths.csv)?;
-            self.lock_again();
+            self.note_lock();
             self.enter_participant();
             self.sidecar.write(&self.paths.sidecar)
         })
@@ -285,27 +259,17 @@ impl SessionStore {
             self.sidecar.reseal(0, &without);
         }
         self.paths = paths;
-        self.lock_again();
+        self.note_lock();
         self.sitting().incidents.extend(undescribed);
         self.note(format!("a row could not be saved; the session was moved from {from}"));
         self.enter_participant();
         self.sidecar.write(&self.paths.sidecar)
     }
 
-    /// Locks the session where it is now.
-    fn lock_again(&mut self) {
-        self.lock = None;
-        match LockFile::create(&self.paths.csv, self.rows.is_locked()) {
-            Ok(lock) => self.lock = lock,
-            Err(error) => self.note(error.to_string()),
-        }
-        self.note_lock();
-    }
-
+    /// Notes that a lock file protects the session, if one does.
     fn note_lock(&mut self) {
-        if self.lock.is_some() {
-            self.note(LockFile::INCIDENT.to_owned());
-        }
+        let incident = self.rows.lock_incident();
+        self.sitting().incidents.extend(incident);
     }
 
     /// True if the session has ended with every planned trial rated.
@@ -361,7 +325,7 @@ impl SessionStore {
         let frames = self.frames.as_ref().filter(|file| !file.is_empty() && file.path() == self.paths.frames);
         Seal {
             data_bytes: rows.content().len() as u64,
-            data_rows: rows.content().iter().filter(|byte| **byte == b'\n').count().saturating_sub(1),
+            data_rows: results::count(rows.content()),
             data_sha256: sha256(rows.content()),
             frames_bytes: frames.map(|file| file.content().len() as u64),
             frames_sha256: frames.map(|file| sha256(file.content())),
@@ -377,9 +341,9 @@ struct Found {
     sidecar: Sidecar,
     /// The differences between the files and their seals, which the user accepted.
     differences: Vec<(usize, FileError)>,
-    course: Course,
-    replays: Replays,
-    recovered: Vec<TrialRecord>,
+    interrupted: Interrupted,
+    /// True if every trial is rated and the sidecar says so too, so that there is nothing to do.
+    is_finished: bool,
 }
 
 impl Found {
@@ -442,15 +406,21 @@ impl Found {
             return Err(mismatch(first.message.clone()).into());
         }
         FileErrors::none(replays.errors.clone()).map_err(repairable)?;
-        Ok(Self { paths, rows, sidecar, differences, course, replays, recovered })
-    }
-
-    /// True if every trial is rated and the sidecar says so too, so that there is nothing to do.
-    fn is_finished(&self) -> bool {
-        self.replays.left == 0
-            && self.rows.partial_line().is_none()
-            && self.sidecar.is_complete()
-            && self.differences.is_empty()
+        let partial_line = rows.partial_line().map(str::to_owned);
+        let is_finished =
+            replays.left == 0 && partial_line.is_none() && sidecar.is_complete() && differences.is_empty();
+        let last = recovered.last();
+        // Times of answers are measured from the last interval, and onsets are those of the first.
+        let lead_s = protocol.task.layout().lead_s();
+        let interrupted = Interrupted {
+            resumed: Resumed { done: replays.done(), ..Resumed::default() },
+            elapsed_s: last.map_or(0.0, |row| row.onset_s.0 + lead_s + row.response_time_s.0),
+            rows: recovered,
+            sitting: sidecar.sittings.len() as u32 + 1,
+            partial_line,
+            course,
+        };
+        Ok(Self { paths, rows, sidecar, differences, interrupted, is_finished })
     }
 }
 
