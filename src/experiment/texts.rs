@@ -76,8 +76,6 @@ texts! {
     previous = "Back";
     /// Name of the key that returns to the page before.
     previous_key = "Backspace";
-    /// Which page of the instructions is shown; `{page}` and `{pages}` are filled in.
-    page_count = "Page {page} of {pages}";
     /// Shown on the uniform field after a key that has no meaning; `{keys}` is filled in.
     answer_keys = "Keys: {keys}";
     /// The keys that it names if participants set a value.

@@ -58,9 +58,19 @@ impl DefinitionForm {
             folder.clone_into(&mut draft.folder);
             let name = draft.get("name").unwrap_or_else(|| "my-study".to_owned());
             draft.remove_opening_comment();
-            draft.set("name", &format!("{name}-copy"), Typed::Text);
+            // A copy of `quick-copy` is `quick-copy-2`.
+            let copied = name.rsplit_once("-copy").and_then(|(first, number)| {
+                let number = if number.is_empty() { 1 } else { number.strip_prefix('-')?.parse::<u32>().ok()? };
+                Some((first, number + 1))
+            });
+            let (first, [of_name, of_title]) = match copied {
+                Some((first, number)) => (first, [format!("-{number}"), format!(" {number}")]),
+                None => (&*name, Default::default()),
+            };
+            draft.set("name", &format!("{first}-copy{of_name}"), Typed::Text);
             if let Some(title) = draft.get("title") {
-                draft.set("title", &format!("{title} (copy)"), Typed::Text);
+                let title = title.split(" (copy").next().unwrap_or_default();
+                draft.set("title", &format!("{title} (copy{of_title})"), Typed::Text);
             }
             if draft.get("session.own_means").is_some() {
                 // A first look may show people their own ratings; a study begins without.

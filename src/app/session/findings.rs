@@ -145,11 +145,6 @@ fn path_to_the_screen(platform: &Platform) -> Vec<PreflightNote> {
         _ => None,
     };
     notes.extend(resolution.map(|(ok, sentence)| note("resolution", ok, sentence)));
-    if platform.hdr == Some(false) {
-        notes.push(note("hdr", true, format!("{system} does not support high dynamic range.")));
-    }
-    let refresh = ["The refresh rate is fixed.", "The screen supports variable refresh."];
-    notes.extend(platform.variable_refresh.map(|variable| either("variable_refresh", !variable, refresh)));
     notes
 }
 
@@ -246,46 +241,34 @@ pub fn light_steps(protocol: &Protocol) -> PreflightNote {
 /// the screen or its menu, and whether it was confirmed. None of them blocks a session.
 pub type Question = (&'static str, &'static str, bool);
 
-/// Returns the questions that the system's report leaves open.
-pub fn questions(platform: &Platform, display: &DisplayProfile) -> Vec<Question> {
-    let all = [
+/// Returns the questions about this screen.
+pub fn questions(display: &DisplayProfile) -> Vec<Question> {
+    let measured = (
+        "right_monitor_asked",
+        "This is the screen on which the profile was measured, with the same brightness, contrast, and color settings.",
+        false,
+    );
+    let always = [
         (
-            display.measured.is_some(),
-            "right_monitor_asked",
-            "This is the screen on which the profile was measured, with the same brightness, contrast, and color \
-                settings.",
-        ),
-        (
-            true,
             "monitor_settings_asked",
-            "The screen's image enhancements are off: dynamic contrast, local dimming, automatic brightness, eye \
-                comfort.",
+            "What changes images or their timing is off in the screen's menu: high dynamic range (HDR), variable refresh \
+                (FreeSync, G-Sync), dynamic contrast, local dimming, automatic brightness, eye comfort.",
+            false,
         ),
         (
-            platform.ramps_straight.is_none(),
-            "night_light_asked",
-            "The system's night light, blue-light filter and color corrections are off.",
-        ),
-        (platform.hdr != Some(false), "hdr_asked", "High dynamic range (HDR) is off."),
-        (
-            platform.variable_refresh != Some(false),
-            "variable_refresh_asked",
-            "Variable refresh (FreeSync, G-Sync, Adaptive-Sync) is off.",
-        ),
-        (
-            true,
             "luminance_limit_asked",
             "The screen does not dim large bright areas, as OLED screens do: a white window has the same luminance \
                 at every size.",
+            false,
         ),
         (
-            true,
             "other_programs_asked",
-            "No other program draws on the screen: no video, no notifications, no screen sharing.",
+            "Nothing else on this computer changes or covers the screen: no night light, color correction, video, \
+                notification or screen sharing.",
+            false,
         ),
     ];
-    let wanted = all.into_iter().filter(|(wanted, ..)| *wanted);
-    wanted.map(|(_, check, statement)| (check, statement, false)).collect()
+    display.measured.is_some().then_some(measured).into_iter().chain(always).collect()
 }
 
 /// Returns the answer to a question, for the sidecar.

@@ -62,12 +62,7 @@ pub fn instructions(
             ui.label(protocol.response.fill_keys(&texts.keys));
         }
         ui.add_space(theme::LARGE_GAP);
-        let step = next_or_back(ui, texts, back);
-        ui.add_space(theme::SMALL_GAP);
-        let pages = INSTRUCTION_PAGES.to_string();
-        let count = texts.page_count.replace("{page}", &(page + 1).to_string()).replace("{pages}", &pages);
-        ui.label(ui::secondary(count));
-        step
+        next_or_back(ui, texts, back)
     })
 }
 

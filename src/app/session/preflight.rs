@@ -105,11 +105,8 @@ impl Preflight {
             return if ui::escaped(ui) { self.back(ui.ctx()) } else { Step::Stay };
         }
         let missing = missing.flatten();
-        let (platform, mut questions) = self.platform.take().unwrap_or_else(|| {
-            let platform = Platform::of(monitor);
-            let questions = findings::questions(&platform, &self.request.display);
-            (platform, questions)
-        });
+        let (platform, mut questions) =
+            self.platform.take().unwrap_or_else(|| (Platform::of(monitor), findings::questions(&self.request.display)));
         let window = window_px(ui.ctx());
         let scale = f64::from(ui.ctx().pixels_per_point());
         let (mut notes, prepared) =
@@ -175,11 +172,7 @@ impl Preflight {
         ui::page_from(ui, TOP, |ui| {
             ui.heading("Before the session");
             let (subject, session) = (identity.subject(), identity.session());
-            let title = &protocol.title;
-            ui::hint(
-                ui,
-                format!("{title} · participant {subject} · session {session} · Space to continue, Esc to go back"),
-            );
+            ui::hint(ui, format!("{} · participant {subject} · session {session}", protocol.title));
             ui.add_space(8.0);
             theme::compact(ui);
             for note in notes {

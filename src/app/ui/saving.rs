@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use eframe::egui::{Button, Context, Response, Ui};
+use eframe::egui::{Button, Context, Response, Ui, Vec2};
 
-use super::{fields::Field, status::say, text};
+use super::{fields::Field, status::say, text, theme::ink};
 use crate::store::{StoreError, Writer};
 
 /// Returns the ending of a path, which chooses the format of the file.
@@ -71,7 +71,8 @@ impl Saving {
 
     /// Draws the button; when it is clicked, returns the writer to use. `inputs` are files that are never replaced.
     pub fn button(&mut self, ui: &mut Ui, caption: &str, enabled: bool, inputs: &[PathBuf]) -> Option<Writer> {
-        let button = Button::new(self.caption(caption));
+        // It keeps its place when its text changes.
+        let button = Button::new(self.caption(caption)).min_size(Vec2::new(84.0, 0.0));
         ui.add_enabled(enabled, button).clicked().then(|| self.writer(inputs))
     }
 
@@ -106,7 +107,7 @@ impl Saving {
         self.asked = matches!(outcome, Err(StoreError::Occupied(_))).then(|| path.to_owned());
         self.outcome = Some(outcome.map_err(|error| match error {
             StoreError::Occupied(file) if file == path => {
-                format!("{} already exists. Replace it, or type another name.", full(&file).display())
+                "This file already exists. Replace it, or type another name.".to_owned()
             }
             StoreError::Occupied(file) => {
                 let file = file.file_name().unwrap_or_default().display();
@@ -116,11 +117,10 @@ impl Saving {
         }));
     }
 
-    /// Tells the outcome: an error here, anything else in the status line.
+    /// Tells the outcome: an error here, where it has room before there is one, anything else in the status line.
     pub fn show(&mut self, ui: &mut Ui) {
-        if let Some(error) = self.told(ui.ctx()) {
-            text::show_error(ui, error);
-        }
+        let error = self.told(ui.ctx()).unwrap_or_default();
+        text::two_lines(ui, error, ink(ui).bad, 2);
     }
 
     /// Tells in the status line what was done; returns the error, if there is one instead.

@@ -2,7 +2,7 @@
 //! determine which rows count, and pass those rows to the caller.
 
 use std::{
-    collections::HashMap,
+    collections::{HashMap, HashSet},
     path::{Path, PathBuf},
 };
 
@@ -16,7 +16,7 @@ use super::{
     source::{FileRead, Layout, ReadOptions, Reason, SessionRead, Shape, Source},
 };
 use crate::{
-    experiment::{Phase, RatingRow},
+    experiment::{Phase, Protocol, RatingRow},
     store::{Columns, FileError, FileErrors, StoreError, columns::Texts, dataset, recorded::interrupted},
     text::names::natural,
 };
@@ -125,6 +125,7 @@ fn read_inputs<T>(
     }
     let errors = in_order(errors, files).0;
     let mut warnings = warnings(&selection.inputs)?;
+    warnings.extend(gaps(&selection, &sessions, &reports));
     warnings.extend(notes.into_iter().chain(missing(&selection, &reports, words)));
     sessions.sort_by(|a, b| natural(&a.subject, &b.subject).then_with(|| natural(&a.session, &b.session)));
     let Selection { shape, protocol, definition_sha256, .. } = selection;
@@ -281,6 +282,29 @@ fn warnings(inputs: &[Input]) -> Result<Vec<FileError>, FileErrors> {
     Ok(warnings)
 }
 
+/// Returns a warning for each session of which rows are missing between others. An adaptive method leaves out trials, and
+/// rows with errors are reported as such.
+fn gaps(selection: &Selection, sessions: &[SessionRead], reports: &[FileRead]) -> Vec<FileError> {
+    let is_planned = |protocol: &Protocol| protocol.adaptive.is_none() && protocol.task.ranking().is_none();
+    if !selection.protocol.as_ref().is_some_and(is_planned) {
+        return Vec::new();
+    }
+    let with_errors: HashSet<&PathBuf> =
+        reports.iter().filter(|report| report.erroneous > 0).map(|report| &report.path).collect();
+    let is_unexplained = |session: &&SessionRead| {
+        let is_whole = session.sidecar.as_ref().is_some_and(|sidecar| !sidecar.is_repaired());
+        session.skipped > 0 && is_whole && !with_errors.contains(&session.path)
+    };
+    let warning = |session: &SessionRead| {
+        let message = format!(
+            "main trials without a row, although later trials have one: {}; expected a row for every trial before the last",
+            session.skipped
+        );
+        FileError::whole(&session.path, message)
+    };
+    sessions.iter().filter(is_unexplained).map(warning).collect()
+}
+
 /// Returns the sessions of all result files, and determines how the rows of these files are used.
 fn sessions(selection: &Selection, tables: &mut [Rows]) -> Vec<SessionRead> {
     let (mut sessions, mut attempts, mut index) = (Vec::new(), Vec::new(), HashMap::new());
@@ -292,6 +316,7 @@ fn sessions(selection: &Selection, tables: &mut [Rows]) -> Vec<SessionRead> {
                 path: input.path.clone(),
                 planned: input.protocol.as_ref().map(|protocol| protocol.main_trials() as u64),
                 rated: 0,
+                skipped: 0,
                 sidecar: input.sidecar.clone(),
             });
             sessions.len() as u32 - 1
@@ -381,8 +406,15 @@ struct Attempt {
 fn decide(mut attempts: Vec<Attempt>, sessions: &mut [SessionRead], files: &mut [Rows]) {
     attempts.sort_unstable();
     let trial = |row: &Attempt| (row.session, row.is_main, row.trial);
+    let mut furthest = (u32::MAX, 0);
     for same_trial in attempts.chunk_by(|a, b| trial(a) == trial(b)) {
         let last = same_trial.last().map(|row| row.attempt);
+        let Attempt { session, is_main, trial, .. } = same_trial[0];
+        if is_main {
+            let before = if furthest.0 == session { furthest.1 } else { 0 };
+            sessions[session as usize].skipped += u64::from(trial - before - 1);
+            furthest = (session, trial);
+        }
         for same in same_trial.chunk_by(|a, b| a.attempt == b.attempt) {
             let (first, session) = (same[0], &mut sessions[same[0].session as usize]);
             let mut set = |row: &Attempt, status| files[row.file as usize].status[row.row as usize] = status;

@@ -158,6 +158,8 @@ pub struct SessionRead {
     pub planned: Option<u64>,
     /// Number of rated main trials.
     pub rated: u64,
+    /// Number of main trials without a row, before the last one that has a row.
+    pub skipped: u64,
     /// The sidecar, if it can be read.
     pub sidecar: Option<Arc<Sidecar>>,
 }
