@@ -132,7 +132,11 @@ impl<M: Method> Calibrate<M> {
         let back = tool_page(ui, M::TITLE, |ui| {
             paragraph(ui, M::INTRODUCTION);
             ui.add_space(8.0);
-            let field = Field::new("File of measurements").column(LABELS).slot().error(&self.error);
+            let file = found(Path::new(self.path.trim()));
+            let is_there = file.is_ok_and(|file| file.is_some_and(|file| file.is_file()));
+            let note = "This file exists already. To resume, keep the settings. To start over, enter another file.";
+            let note = if is_there { note } else { "" };
+            let field = Field::new("File of measurements").column(LABELS).slot().error(&self.error).note(note, false);
             let (field, chosen) = field.path(ui, &mut self.path, (FileKind::Data, "Choose a file…"));
             if chosen || field.changed() {
                 self.error.clear();
@@ -155,11 +159,6 @@ impl<M: Method> Calibrate<M> {
                     hint(ui, format!("{items} {}, about {:.0} min.", M::ITEMS, (seconds / 60.0).ceil()));
                 }
                 Err(message) => show_error(ui, message),
-            }
-            let file = found(Path::new(self.path.trim()));
-            let is_there = file.is_ok_and(|file| file.is_some_and(|file| file.is_file()));
-            if is_there {
-                hint(ui, "This file exists already. To resume, keep the settings. To start over, enter another file.");
             }
             let text = if is_there { "Resume" } else { "Begin" };
             begin = neutral_primary(ui, text, estimate.is_ok(), "Full screen. Press Esc to pause.");
