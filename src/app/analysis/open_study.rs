@@ -12,7 +12,7 @@ use super::{
 use crate::{
     analysis::{Results, analyze_with, counts::Exclusions},
     app::ui::{
-        hint, paragraph, parameter, secondary, show_error, theme,
+        complain, hint, paragraph, parameter, secondary, theme,
         work::{BackgroundTask, Lost, Steps},
     },
     report::{
@@ -47,7 +47,6 @@ pub struct OpenStudy {
     shown: Option<(Outcome, DocumentView)>,
     /// The running computation of the document with a prediction.
     predicting: Option<BackgroundTask<Document>>,
-    error: Option<String>,
 }
 
 /// How far an analysis is. While it is not done, the results are of what was selected before.
@@ -87,7 +86,6 @@ impl OpenStudy {
             simulated: Arc::default(),
             shown: None,
             predicting: None,
-            error: None,
             study: Arc::new(study),
         }
     }
@@ -127,7 +125,7 @@ impl OpenStudy {
                 Ok(None) => self.state = State::Empty,
                 Err(Lost) => {
                     self.state = State::Stopped;
-                    self.error = Some("The analysis ended unexpectedly. Try other options or less data.".to_owned());
+                    complain(ctx, "The analysis ended unexpectedly. Try other options or less data.");
                 }
             }
         }
@@ -145,7 +143,7 @@ impl OpenStudy {
         let request = Analyze { ratings, ..self.model.request.clone() };
         if self.last.as_ref() != Some(&request) {
             self.last = Some(request);
-            (self.error, self.draft, self.predicting) = (None, None, None);
+            (self.draft, self.predicting) = (None, None);
             self.start(ctx, true);
         }
     }
@@ -237,9 +235,6 @@ impl Opened for OpenStudy {
     }
 
     fn document(&mut self, ui: &mut egui::Ui, section: &str) -> bool {
-        if let Some(text) = &self.error {
-            show_error(ui, text);
-        }
         let (is_stale, is_drafted) = (self.is_stale(), self.is_drafted(section));
         if let Some((_, draft)) = self.draft.as_mut().filter(|_| is_drafted) {
             // In a scope as below, so that the page keeps its place.

@@ -264,6 +264,9 @@ impl<M: Method> Tool for Calibrate<M> {
     }
 }
 
+/// The name of a screen that has none yet.
+const UNNAMED: &str = "My screen";
+
 /// The form for the details of a profile to save: name, person, instrument and file.
 struct ProfileForm {
     name: String,
@@ -274,7 +277,7 @@ struct ProfileForm {
 
 impl ProfileForm {
     fn new(known: &DisplayProfile, with: String) -> Self {
-        let name = if known.measured.is_some() { known.name.clone() } else { "My screen".to_owned() };
+        let name = if known.measured.is_some() { known.name.clone() } else { UNNAMED.to_owned() };
         let by = known.measured.clone().and_then(|measured| measured.by).unwrap_or_default();
         Self { name, by, with, saving: Saving::to("calibration/screen.toml") }
     }
@@ -301,7 +304,9 @@ impl ProfileForm {
             Ok(())
         });
         hint(ui, "The program then uses this profile.");
-        self.saving.show(ui);
+        if saved.is_none() {
+            self.saving.show(ui);
+        }
         saved
     }
 
@@ -309,7 +314,7 @@ impl ProfileForm {
     fn filled(&self, found: &DisplayProfile) -> DisplayProfile {
         let some = |text: &str| Some(text.trim().to_owned()).filter(|text| !text.is_empty());
         let measured = Measurement { on: Some(today()), by: some(&self.by), with: some(&self.with) };
-        let name = some(&self.name).unwrap_or_else(|| found.name.clone());
+        let name = some(&self.name).unwrap_or_else(|| UNNAMED.to_owned());
         DisplayProfile { name, measured: Some(measured), ..found.clone() }
     }
 }
