@@ -71,8 +71,8 @@ const DRAFTED: [&str; 3] = ["health", "description", "agreement"];
 struct Outcome {
     request: Analyze,
     results: Arc<Results>,
-    /// The selected data as a phrase; empty if nothing is excluded.
-    filter: String,
+    /// Whether something is excluded.
+    is_filtered: bool,
 }
 
 impl OpenStudy {
@@ -152,10 +152,9 @@ impl OpenStudy {
     /// threads.
     fn start(&mut self, ctx: &egui::Context, is_draft: bool) {
         let Some(request) = self.last.clone() else { return };
-        let filter = self.filters.sentence(&self.study.measured.counts);
         self.simulated = Arc::default();
         let (study, simulated) = (self.study.clone(), self.simulated.clone());
-        let compute = move || Outcome::new(&study, request, filter, is_draft, &simulated);
+        let compute = move || Outcome::new(&study, request, is_draft, &simulated);
         self.state = State::Running { is_draft, task: BackgroundTask::stoppable(ctx, compute) };
     }
 
@@ -225,11 +224,10 @@ impl Opened for OpenStudy {
         let is_drafted = self.is_drafted(section);
         if let Some((outcome, _)) = if is_drafted { &self.draft } else { &self.shown } {
             let counts = &outcome.results.measured.counts;
-            let filter = &outcome.filter;
-            let filtered = if filter.is_empty() { String::new() } else { format!(" Filtered: {filter}.") };
+            let filtered = if outcome.is_filtered { ", filtered" } else { "" };
             let people = count(outcome.results.people() as u64, "participant");
             let before = if self.is_stale() && !is_drafted { "Before: " } else { "" };
-            let text = format!("{before}{} by {people}.{filtered}", count(counts.total(), "rating"));
+            let text = format!("{before}{} by {people}{filtered}.", count(counts.total(), "rating"));
             ui.with_layout(left, |ui| ui.add(egui::Label::new(secondary(text)).truncate()));
         }
     }
@@ -302,7 +300,7 @@ impl Opened for OpenStudy {
             let (study, results) = (self.study.clone(), outcome.results.clone());
             Exported {
                 request: &outcome.request,
-                filter: outcome.filter.clone(),
+                is_filtered: outcome.is_filtered,
                 write: Arc::new(move |writer, made, folder| {
                     // The report covers the ratings on which the results are based.
                     let shown = Study { source: study.source.clone(), measured: results.measured.clone() };
@@ -336,14 +334,9 @@ fn about(ui: &mut egui::Ui, study: &Study) {
 
 impl Outcome {
     /// Analyzes the selected data; `None` if nothing is selected.
-    fn new(
-        study: &Study,
-        request: Analyze,
-        filter: String,
-        is_draft: bool,
-        simulated: &Steps,
-    ) -> Option<(Self, Document)> {
-        let measured = study.measured.narrowed(&Exclusions::from(&request.ratings.how)).ok()?;
+    fn new(study: &Study, request: Analyze, is_draft: bool, simulated: &Steps) -> Option<(Self, Document)> {
+        let excluded = Exclusions::from(&request.ratings.how);
+        let measured = study.measured.narrowed(&excluded).ok()?;
         if measured.counts.total() == 0 {
             return None;
         }
@@ -356,7 +349,7 @@ impl Outcome {
         let results = Arc::new(analyze_with(measured, &options, &progress));
         let figures = figures::all(&results);
         let document = document(&study.source, &results, Parts { figures: &figures, ..Parts::default() });
-        Some((Self { request, results, filter }, document))
+        Some((Self { request, results, is_filtered: excluded != Exclusions::default() }, document))
     }
 }
 

@@ -220,8 +220,8 @@ type Write = dyn Fn(&Writer, &Provenance, &Path) -> Result<usize, StoreError> + 
 pub struct Exported<'a> {
     /// What was requested.
     pub request: &'a Analyze,
-    /// A phrase that describes the selected data; empty if nothing is excluded.
-    pub filter: String,
+    /// Whether something is excluded.
+    pub is_filtered: bool,
     pub write: Arc<Write>,
 }
 
@@ -266,12 +266,12 @@ impl Export {
             ui.ctx().copy_text(command.clone());
             say(ui.ctx(), format!("Copied: {command}"));
         }
-        let included = match exported.map(|exported| exported.filter.as_str()) {
-            None => String::new(),
-            Some("") => "The export includes all data.".to_owned(),
-            Some(filter) => format!("The export includes only the data shown: {filter}."),
+        let included = match exported.map(|exported| exported.is_filtered) {
+            None => "",
+            Some(false) => "The export includes all data.",
+            Some(true) => "The export includes only the data shown.",
         };
-        two_lines(ui, &included, ink.dim, 2);
+        two_lines(ui, included, ink.dim, 2);
     }
 
     fn take_outcome(&mut self, ctx: &egui::Context) {

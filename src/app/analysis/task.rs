@@ -81,14 +81,11 @@ impl Opened for OpenTask {
     }
 
     fn exported(&self) -> (Option<&Analyze>, Option<Exported<'_>>) {
-        let Self { asked, made, people, excluded, .. } = self;
-        let left = people.len() - excluded.len();
-        let filter =
-            if excluded.is_empty() { String::new() } else { format!("{left} of {} participants", people.len()) };
+        let Self { asked, made, excluded, .. } = self;
         let made = made.clone();
         let exported = Exported {
             request: asked,
-            filter,
+            is_filtered: !excluded.is_empty(),
             write: Arc::new(move |writer, provenance, folder| {
                 let contents = task_files(&made.0, &made.1, provenance, folder, false)?;
                 Ok(write_files(writer, folder, contents)?.len())
