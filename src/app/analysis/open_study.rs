@@ -12,7 +12,7 @@ use super::{
 use crate::{
     analysis::{Results, analyze_with, counts::Exclusions},
     app::ui::{
-        complain, hint, paragraph, parameter, secondary, theme,
+        complain, paragraph, parameter, secondary, theme,
         work::{BackgroundTask, Lost, Steps},
     },
     report::{
@@ -322,12 +322,6 @@ fn about(ui: &mut egui::Ui, study: &Study) {
         (None, None) => "No file".to_owned(),
     };
     paragraph(ui, RichText::new(title).strong());
-    let ratings = source.files.iter().map(|file| file.ratings).sum();
-    let people = study.measured.counts.subjects.len() as u64;
-    // A session that ended in the practice has no ratings, as its participant.
-    let rated = source.files.iter().filter(|file| file.ratings > 0).count() as u64;
-    let sessions = if source.sessions.is_empty() { String::new() } else { format!(", {}", count(rated, "session")) };
-    hint(ui, format!("{}{sessions}, {}.", count(people, "participant"), count(ratings, "rating")));
     problems(ui, "Errors", &source.errors, theme::ink(ui).bad);
     problems(ui, "Warnings", &source.warnings, theme::ink(ui).warn);
 }
