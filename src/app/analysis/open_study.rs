@@ -2,17 +2,17 @@
 
 use std::sync::Arc;
 
-use eframe::egui::{self, RichText};
+use eframe::egui;
 
 use super::{
     document::DocumentView,
-    opened::{Exported, Files, Opened, Request, SUMMARY, problems},
+    opened::{Exported, Files, Opened, SUMMARY},
     query::{Filters, ModelControls},
 };
 use crate::{
     analysis::{Results, analyze_with, counts::Exclusions},
     app::ui::{
-        complain, paragraph, parameter, secondary, theme,
+        complain, parameter, secondary, theme,
         work::{BackgroundTask, Lost, Steps},
     },
     report::{
@@ -23,7 +23,10 @@ use crate::{
         study::{Parts, document},
         study_files, write_files,
     },
-    store::ratings::{Reason, SessionRead},
+    store::{
+        FileError,
+        ratings::{Reason, SessionRead},
+    },
     work::Analyze,
 };
 
@@ -264,22 +267,23 @@ impl Opened for OpenStudy {
         true
     }
 
-    /// Draws the controls: files, filters, model.
-    fn controls(&mut self, ui: &mut egui::Ui, files: &Files) -> Option<Request> {
-        let mut request = None;
+    fn about(&self) -> (String, [&[FileError]; 2]) {
         let source = &self.study.source;
-        about(ui, &self.study);
+        let title = match (&source.protocol, source.files.first()) {
+            (Some(protocol), _) => format!("{}: {}", protocol.name, protocol.title),
+            (None, Some(file)) => file.path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+            (None, None) => "No file".to_owned(),
+        };
+        (title, [&source.errors, &source.warnings])
+    }
+
+    fn controls(&mut self, ui: &mut egui::Ui, files: &Files) -> Option<Analyze> {
+        let source = &self.study.source;
+        let mut asked = files.asked.clone();
         let unfinished = source.sessions.iter().any(SessionRead::is_unfinished);
         if unfinished || source.left_out(Reason::Unfinished).0 > 0 {
-            let mut asked = files.asked.clone();
-            if ui.checkbox(&mut asked.ratings.how.complete_only, "Exclude unfinished sessions").changed() {
-                request = Some(Request::Read(Box::new(asked)));
-            }
+            ui.checkbox(&mut asked.ratings.how.complete_only, "Exclude unfinished sessions");
         }
-        if ui.button("Other data…").clicked() {
-            request = Some(Request::OtherData);
-        }
-        ui.separator();
         let counts = &self.study.measured.counts;
         // The columns of others are named as they name them.
         let protocol = self.study.source.protocol.as_ref();
@@ -290,7 +294,7 @@ impl Opened for OpenStudy {
         }
         ui.separator();
         self.model.show(ui, counts, &self.filters);
-        request
+        (asked != files.asked).then_some(asked)
     }
 
     fn exported(&self) -> (Option<&Analyze>, Option<Exported<'_>>) {
@@ -311,19 +315,6 @@ impl Opened for OpenStudy {
         });
         (self.last.as_ref().filter(|_| !matches!(self.state, State::Empty)), exported)
     }
-}
-
-/// Draws a short description of where the ratings come from; the document has the details.
-fn about(ui: &mut egui::Ui, study: &Study) {
-    let source = &study.source;
-    let title = match (&source.protocol, source.files.first()) {
-        (Some(protocol), _) => format!("{}: {}", protocol.name, protocol.title),
-        (None, Some(file)) => file.path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
-        (None, None) => "No file".to_owned(),
-    };
-    paragraph(ui, RichText::new(title).strong());
-    problems(ui, "Errors", &source.errors, theme::ink(ui).bad);
-    problems(ui, "Warnings", &source.warnings, theme::ink(ui).warn);
 }
 
 impl Outcome {

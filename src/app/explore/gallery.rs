@@ -264,10 +264,7 @@ impl Gallery {
     fn export(&mut self, ui: &mut Ui) {
         let Some(shown) = &self.shown else { return };
         // Below a control, an error would shift the others.
-        match self.faults.is_empty() {
-            true => ui::hint(ui, format!("Display: {}.", self.display.sentence())),
-            false => self.faults.iter().for_each(|(_, error)| ui::show_error(ui, error)),
-        }
+        self.faults.iter().for_each(|(_, error)| ui::show_error(ui, error));
         let field = Field::new("Export to").column(LABELS).width(ui.available_width() - LABELS - theme::GAP);
         self.saving.field(ui, field).on_hover_text(
             "The ending chooses the format: .png for the image, .csv for the light along its orientation.",
