@@ -8,7 +8,7 @@ use std::time::Duration;
 /// An interval above this many refreshes is a dropped frame.
 pub const DROPPED_ABOVE: f64 = 1.5;
 /// The minimum number of intervals for an estimate of the refresh.
-const MIN_ESTIMATE_INTERVALS: usize = 30;
+pub const MIN_ESTIMATE_INTERVALS: usize = 30;
 /// Longer intervals, in refreshes, are interruptions rather than dropped frames, and carry no information about the
 /// refresh.
 const MAX_INTERVAL_REFRESHES: f64 = 8.5;
