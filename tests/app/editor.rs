@@ -106,24 +106,6 @@ fn a_copy_is_edited_and_saved() {
     assert!(scale.eq(expected), "{saved}");
 }
 
-/// A form begins at its top, wherever the last one was scrolled to.
-#[test]
-fn a_form_opens_at_its_top() {
-    let mut window = duplicate("quick");
-    let top = |window: &mut Window| {
-        window.run_steps(5);
-        window.query_all_by_label("Name").next().unwrap().rect().top()
-    };
-    let before = top(&mut window);
-    window.query_all_by_label("What participants read").next().unwrap().scroll_to_me();
-    window.run_steps(30);
-    assert!(top(&mut window) < before, "it is scrolled");
-    press(&mut window, Key::Escape);
-    is_left(&mut window, "quick");
-    click(&mut window, "Duplicate as…");
-    assert_eq!(top(&mut window), before);
-}
-
 /// A question of one's own has a name, which is its column in the data, and a kind.
 #[test]
 fn a_question_of_ones_own_is_named() {

@@ -12,27 +12,19 @@ use machband::{
 
 use crate::window::{Window, builder, choose, click, home, type_into, value, wait_for};
 
-/// Opens the page from Home without rendering it.
-fn open() -> Window {
-    opened(builder([1000.0, 800.0], 1.0 / 60.0).build_eframe(|cc| App::new(cc, Launch::default())))
-}
-
 /// Opens the page with rendering; `None` if there is no graphics adapter.
 fn open_with_pixels(scale: f32) -> Option<Window> {
     if !crate::common::has_graphics() {
         return None;
     }
     let builder = builder([1000.0, 800.0], 1.0 / 60.0).with_pixels_per_point(scale);
-    Some(opened(builder.wgpu().build_eframe(|cc| App::new(cc, Launch::default()))))
-}
-
-fn opened(mut window: Window) -> Window {
+    let mut window = builder.wgpu().build_eframe(|cc| App::new(cc, Launch::default()));
     window.set_render_cursor(false);
     window.run_steps(3);
     click(&mut window, "Shading");
     window.remove_cursor();
     window.run_steps(4);
-    window
+    Some(window)
 }
 
 fn picture(window: &Window) -> Rect {
@@ -146,7 +138,7 @@ fn dragging_rotates_the_mesh_moves_the_light_and_draws_the_line() {
 #[test]
 fn a_file_without_a_mesh_is_explained_and_the_mesh_stays() {
     let folder = tempfile::tempdir().unwrap();
-    let mut window = open();
+    let mut window = page_of("Shading", [1000.0, 800.0]);
     let mesh = value(&window, "Shape of the mesh");
     let bad = folder.path().join("bad.obj");
     std::fs::write(&bad, "v 0 0 0\nv 1 0 0\nv 0 1 nan\nf 1 2 9\n").unwrap();

@@ -89,7 +89,9 @@ impl DocumentView {
         let first = || self.sections.iter().position(|section| section.blocks.iter().any(is_figure));
         let (Some(summary), description) = (place(SUMMARY), place("description").or_else(first)) else { return false };
         scrolled(ui, SUMMARY, |ui| {
-            self.show_warnings(ui);
+            // The warnings hold for all sections.
+            let is_warning = |block: &BlockView| matches!(block, BlockView::Text(Block::Warning(_)));
+            show_blocks(ui, self.sections[summary].blocks.iter_mut().filter(|block| is_warning(block)));
             let figures = description.map(|index| &mut self.sections[index].blocks);
             let key = figures.into_iter().flatten().filter(|block| is_figure(block));
             let many = if ui.available_width() >= TWO_COLUMNS { 2 } else { 1 };
@@ -100,20 +102,9 @@ impl DocumentView {
                     "There are no tests of these data yet. What needs no model, such as Description, is final.",
                 );
             }
-            let is_rest = |block: &&mut BlockView| !matches!(block, BlockView::Text(Block::Warning(_)));
-            show_blocks(ui, self.sections[summary].blocks.iter_mut().filter(is_rest));
+            show_blocks(ui, self.sections[summary].blocks.iter_mut().filter(|block| !is_warning(block)));
         });
         true
-    }
-
-    /// Draws the warnings of the summary, which hold for all sections.
-    fn show_warnings(&self, ui: &mut egui::Ui) {
-        let blocks = self.sections.iter().filter(|section| section.id == SUMMARY).flat_map(|section| &section.blocks);
-        for block in blocks {
-            if let BlockView::Text(warning @ Block::Warning(_)) = block {
-                show_text(ui, warning);
-            }
-        }
     }
 }
 

@@ -2,17 +2,17 @@
 
 use std::sync::Arc;
 
-use eframe::egui::{self, RichText};
+use eframe::egui;
 
 use super::{
     document::DocumentView,
-    opened::{Exported, Files, Opened, Request, SUMMARY, problems},
+    opened::{Exported, Files, Opened, SUMMARY},
     query::{Filters, ModelControls},
 };
 use crate::{
     analysis::{Results, analyze_with, counts::Exclusions},
     app::ui::{
-        hint, paragraph, parameter, secondary, show_error, theme,
+        complain, parameter, secondary, theme,
         work::{BackgroundTask, Lost, Steps},
     },
     report::{
@@ -23,7 +23,10 @@ use crate::{
         study::{Parts, document},
         study_files, write_files,
     },
-    store::ratings::{Reason, SessionRead},
+    store::{
+        FileError,
+        ratings::{Reason, SessionRead},
+    },
     work::Analyze,
 };
 
@@ -47,7 +50,6 @@ pub struct OpenStudy {
     shown: Option<(Outcome, DocumentView)>,
     /// The running computation of the document with a prediction.
     predicting: Option<BackgroundTask<Document>>,
-    error: Option<String>,
 }
 
 /// How far an analysis is. While it is not done, the results are of what was selected before.
@@ -72,8 +74,8 @@ const DRAFTED: [&str; 3] = ["health", "description", "agreement"];
 struct Outcome {
     request: Analyze,
     results: Arc<Results>,
-    /// The selected data as a phrase; empty if nothing is excluded.
-    filter: String,
+    /// Whether something is excluded.
+    is_filtered: bool,
 }
 
 impl OpenStudy {
@@ -87,7 +89,6 @@ impl OpenStudy {
             simulated: Arc::default(),
             shown: None,
             predicting: None,
-            error: None,
             study: Arc::new(study),
         }
     }
@@ -127,7 +128,7 @@ impl OpenStudy {
                 Ok(None) => self.state = State::Empty,
                 Err(Lost) => {
                     self.state = State::Stopped;
-                    self.error = Some("The analysis ended unexpectedly. Try other options or less data.".to_owned());
+                    complain(ctx, "The analysis ended unexpectedly. Try other options or less data.");
                 }
             }
         }
@@ -145,7 +146,7 @@ impl OpenStudy {
         let request = Analyze { ratings, ..self.model.request.clone() };
         if self.last.as_ref() != Some(&request) {
             self.last = Some(request);
-            (self.error, self.draft, self.predicting) = (None, None, None);
+            (self.draft, self.predicting) = (None, None);
             self.start(ctx, true);
         }
     }
@@ -154,10 +155,9 @@ impl OpenStudy {
     /// threads.
     fn start(&mut self, ctx: &egui::Context, is_draft: bool) {
         let Some(request) = self.last.clone() else { return };
-        let filter = self.filters.sentence(&self.study.measured.counts);
         self.simulated = Arc::default();
         let (study, simulated) = (self.study.clone(), self.simulated.clone());
-        let compute = move || Outcome::new(&study, request, filter, is_draft, &simulated);
+        let compute = move || Outcome::new(&study, request, is_draft, &simulated);
         self.state = State::Running { is_draft, task: BackgroundTask::stoppable(ctx, compute) };
     }
 
@@ -227,19 +227,15 @@ impl Opened for OpenStudy {
         let is_drafted = self.is_drafted(section);
         if let Some((outcome, _)) = if is_drafted { &self.draft } else { &self.shown } {
             let counts = &outcome.results.measured.counts;
-            let filter = &outcome.filter;
-            let filtered = if filter.is_empty() { String::new() } else { format!(" Filtered: {filter}.") };
+            let filtered = if outcome.is_filtered { ", filtered" } else { "" };
             let people = count(outcome.results.people() as u64, "participant");
             let before = if self.is_stale() && !is_drafted { "Before: " } else { "" };
-            let text = format!("{before}{} by {people}.{filtered}", count(counts.total(), "rating"));
+            let text = format!("{before}{} by {people}{filtered}.", count(counts.total(), "rating"));
             ui.with_layout(left, |ui| ui.add(egui::Label::new(secondary(text)).truncate()));
         }
     }
 
     fn document(&mut self, ui: &mut egui::Ui, section: &str) -> bool {
-        if let Some(text) = &self.error {
-            show_error(ui, text);
-        }
         let (is_stale, is_drafted) = (self.is_stale(), self.is_drafted(section));
         if let Some((_, draft)) = self.draft.as_mut().filter(|_| is_drafted) {
             // In a scope as below, so that the page keeps its place.
@@ -271,22 +267,23 @@ impl Opened for OpenStudy {
         true
     }
 
-    /// Draws the controls: files, filters, model.
-    fn controls(&mut self, ui: &mut egui::Ui, files: &Files) -> Option<Request> {
-        let mut request = None;
+    fn about(&self) -> (String, [&[FileError]; 2]) {
         let source = &self.study.source;
-        about(ui, &self.study);
+        let title = match (&source.protocol, source.files.first()) {
+            (Some(protocol), _) => format!("{}: {}", protocol.name, protocol.title),
+            (None, Some(file)) => file.path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+            (None, None) => "No file".to_owned(),
+        };
+        (title, [&source.errors, &source.warnings])
+    }
+
+    fn controls(&mut self, ui: &mut egui::Ui, files: &Files) -> Option<Analyze> {
+        let source = &self.study.source;
+        let mut asked = files.asked.clone();
         let unfinished = source.sessions.iter().any(SessionRead::is_unfinished);
         if unfinished || source.left_out(Reason::Unfinished).0 > 0 {
-            let mut asked = files.asked.clone();
-            if ui.checkbox(&mut asked.ratings.how.complete_only, "Exclude unfinished sessions").changed() {
-                request = Some(Request::Read(Box::new(asked)));
-            }
+            ui.checkbox(&mut asked.ratings.how.complete_only, "Exclude unfinished sessions");
         }
-        if ui.button("Other data…").clicked() {
-            request = Some(Request::OtherData);
-        }
-        ui.separator();
         let counts = &self.study.measured.counts;
         // The columns of others are named as they name them.
         let protocol = self.study.source.protocol.as_ref();
@@ -297,7 +294,7 @@ impl Opened for OpenStudy {
         }
         ui.separator();
         self.model.show(ui, counts, &self.filters);
-        request
+        (asked != files.asked).then_some(asked)
     }
 
     fn exported(&self) -> (Option<&Analyze>, Option<Exported<'_>>) {
@@ -307,7 +304,7 @@ impl Opened for OpenStudy {
             let (study, results) = (self.study.clone(), outcome.results.clone());
             Exported {
                 request: &outcome.request,
-                filter: outcome.filter.clone(),
+                is_filtered: outcome.is_filtered,
                 write: Arc::new(move |writer, made, folder| {
                     // The report covers the ratings on which the results are based.
                     let shown = Study { source: study.source.clone(), measured: results.measured.clone() };
@@ -320,35 +317,11 @@ impl Opened for OpenStudy {
     }
 }
 
-/// Draws a short description of where the ratings come from; the document has the details.
-fn about(ui: &mut egui::Ui, study: &Study) {
-    let source = &study.source;
-    let title = match (&source.protocol, source.files.first()) {
-        (Some(protocol), _) => format!("{}: {}", protocol.name, protocol.title),
-        (None, Some(file)) => file.path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
-        (None, None) => "No file".to_owned(),
-    };
-    paragraph(ui, RichText::new(title).strong());
-    let ratings = source.files.iter().map(|file| file.ratings).sum();
-    let people = study.measured.counts.subjects.len() as u64;
-    // A session that ended in the practice has no ratings, as its participant.
-    let rated = source.files.iter().filter(|file| file.ratings > 0).count() as u64;
-    let sessions = if source.sessions.is_empty() { String::new() } else { format!(", {}", count(rated, "session")) };
-    hint(ui, format!("{}{sessions}, {}.", count(people, "participant"), count(ratings, "rating")));
-    problems(ui, "Errors", &source.errors, theme::ink(ui).bad);
-    problems(ui, "Warnings", &source.warnings, theme::ink(ui).warn);
-}
-
 impl Outcome {
     /// Analyzes the selected data; `None` if nothing is selected.
-    fn new(
-        study: &Study,
-        request: Analyze,
-        filter: String,
-        is_draft: bool,
-        simulated: &Steps,
-    ) -> Option<(Self, Document)> {
-        let measured = study.measured.narrowed(&Exclusions::from(&request.ratings.how)).ok()?;
+    fn new(study: &Study, request: Analyze, is_draft: bool, simulated: &Steps) -> Option<(Self, Document)> {
+        let excluded = Exclusions::from(&request.ratings.how);
+        let measured = study.measured.narrowed(&excluded).ok()?;
         if measured.counts.total() == 0 {
             return None;
         }
@@ -361,7 +334,7 @@ impl Outcome {
         let results = Arc::new(analyze_with(measured, &options, &progress));
         let figures = figures::all(&results);
         let document = document(&study.source, &results, Parts { figures: &figures, ..Parts::default() });
-        Some((Self { request, results, filter }, document))
+        Some((Self { request, results, is_filtered: excluded != Exclusions::default() }, document))
     }
 }
 

@@ -45,8 +45,11 @@ pub trait Opened {
     /// Returns the address and the heading of every section.
     fn headings(&self) -> Vec<(&'static str, &'static str)>;
 
-    /// Draws what is selected of the files; returns an action that only the page can perform.
-    fn controls(&mut self, ui: &mut egui::Ui, files: &Files) -> Option<Request>;
+    /// Returns the title, and the errors and the warnings in the files.
+    fn about(&self) -> (String, [&[FileError]; 2]);
+
+    /// Draws what is selected of the files; returns how to read them in another way.
+    fn controls(&mut self, ui: &mut egui::Ui, files: &Files) -> Option<Analyze>;
 
     /// Returns what is asked for, if anything is selected, and the results if they are of that.
     fn exported(&self) -> (Option<&Analyze>, Option<Exported<'_>>);
@@ -99,8 +102,7 @@ impl Shell {
                     |ui, (shell, opened)| {
                         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                             back = heading(ui, "Analyze");
-                            request = opened.controls(ui, &shell.files);
-                            text::errors(ui, error);
+                            request = shell.controls(ui, &mut **opened, error);
                         });
                     },
                     |ui, (shell, opened)| shell.export(ui, &**opened, is_stale),
@@ -129,8 +131,7 @@ impl Shell {
             ui.separator();
             if self.section == DATA.0 {
                 ScrollArea::vertical().id_salt("data").auto_shrink(false).show(ui, |ui| {
-                    request = opened.controls(ui, &self.files);
-                    text::errors(ui, error);
+                    request = self.controls(ui, opened, error);
                     self.export(ui, opened, is_stale);
                 });
                 return;
@@ -145,6 +146,18 @@ impl Shell {
         request.map_or(Step::back_if(back), Step::Next)
     }
 
+    fn controls(&self, ui: &mut egui::Ui, opened: &mut dyn Opened, error: &str) -> Option<Request> {
+        let (title, [errors, warnings]) = opened.about();
+        paragraph(ui, RichText::new(title).strong());
+        problems(ui, "Errors", errors, ink(ui).bad);
+        problems(ui, "Warnings", warnings, ink(ui).warn);
+        let other = ui.button("Other data…").clicked().then_some(Request::OtherData);
+        ui.separator();
+        let asked = opened.controls(ui, &self.files);
+        text::errors(ui, error);
+        other.or(asked.map(|asked| Request::Read(Box::new(asked))))
+    }
+
     fn export(&mut self, ui: &mut egui::Ui, opened: &dyn Opened, is_stale: bool) {
         let (request, exported) = opened.exported();
         self.export.show(ui, request, exported.as_ref().filter(|_| !is_stale));
@@ -152,7 +165,7 @@ impl Shell {
 }
 
 /// Lists errors or warnings about the files.
-pub fn problems(ui: &mut egui::Ui, title: &str, problems: &[FileError], color: egui::Color32) {
+fn problems(ui: &mut egui::Ui, title: &str, problems: &[FileError], color: egui::Color32) {
     if problems.is_empty() {
         return;
     }
@@ -220,8 +233,8 @@ type Write = dyn Fn(&Writer, &Provenance, &Path) -> Result<usize, StoreError> + 
 pub struct Exported<'a> {
     /// What was requested.
     pub request: &'a Analyze,
-    /// A phrase that describes the selected data; empty if nothing is excluded.
-    pub filter: String,
+    /// Whether something is excluded.
+    pub is_filtered: bool,
     pub write: Arc<Write>,
 }
 
@@ -266,12 +279,12 @@ impl Export {
             ui.ctx().copy_text(command.clone());
             say(ui.ctx(), format!("Copied: {command}"));
         }
-        let included = match exported.map(|exported| exported.filter.as_str()) {
-            None => String::new(),
-            Some("") => "The export includes all data.".to_owned(),
-            Some(filter) => format!("The export includes only the data shown: {filter}."),
+        let included = match exported.map(|exported| exported.is_filtered) {
+            None => "",
+            Some(false) => "The export includes all data.",
+            Some(true) => "The export includes only the data shown.",
         };
-        two_lines(ui, &included, ink.dim, 2);
+        two_lines(ui, included, ink.dim, 2);
     }
 
     fn take_outcome(&mut self, ctx: &egui::Context) {

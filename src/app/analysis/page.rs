@@ -78,7 +78,6 @@ fn read(asked: &Analyze) -> Reading {
 
 /// Files that are being read.
 struct Pending {
-    asked: Analyze,
     /// Whether the files that are already open are read again.
     again: bool,
     work: BackgroundTask<Reading>,
@@ -108,9 +107,8 @@ impl Analysis {
     fn read(&mut self, ctx: &egui::Context, asked: Analyze, again: bool) {
         self.asked = asked.clone();
         (self.error, self.question) = (None, None);
-        let request = asked.clone();
-        let work = BackgroundTask::stoppable(ctx, move || read(&request));
-        self.reading = Some(Pending { asked, again, work });
+        let work = BackgroundTask::stoppable(ctx, move || read(&asked));
+        self.reading = Some(Pending { again, work });
     }
 
     fn read_new(&mut self, ctx: &egui::Context, paths: Vec<PathBuf>) {
@@ -167,8 +165,8 @@ impl Analysis {
         let Some(read) = pending.work.poll() else { return };
         let read =
             read.unwrap_or_else(|Lost| Err("The files could not be read: reading ended unexpectedly".to_owned()));
-        let Some(Pending { asked, again, .. }) = self.reading.take() else { return };
-        let before = self.open.take();
+        let Some(Pending { again, .. }) = self.reading.take() else { return };
+        let (before, asked) = (self.open.take(), &self.asked);
         match read {
             Ok((shell, open)) => {
                 let open = match before.filter(|_| again) {
@@ -203,12 +201,7 @@ impl Analysis {
     fn follow(&mut self, ctx: &egui::Context, request: Request) {
         match request {
             Request::OtherData => (self.open, self.error) = (None, None),
-            Request::Read(asked) => {
-                // The study requests the same again in every frame until it is read.
-                if self.reading.as_ref().is_none_or(|pending| pending.asked != *asked) {
-                    self.read(ctx, *asked, true);
-                }
-            }
+            Request::Read(asked) => self.read(ctx, *asked, true),
         }
     }
 

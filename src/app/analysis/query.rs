@@ -48,17 +48,6 @@ impl Filters {
         Ok(())
     }
 
-    /// Returns the selection as a phrase; empty if nothing is excluded.
-    pub fn sentence(&self, counts: &Counts) -> String {
-        let people = format!("{} of {} participants", self.people(counts), counts.subjects.len());
-        let levels = self.0.only.iter().map(|(factor, kept)| {
-            let kept: Vec<String> = kept.iter().map(|level| shown(level)).collect();
-            let kept = if kept.is_empty() { "none".to_owned() } else { kept.join(", ") };
-            format!("{factor} {kept}")
-        });
-        (!self.0.exclude.is_empty()).then_some(people).into_iter().chain(levels).collect::<Vec<_>>().join("; ")
-    }
-
     /// Draws the checklists. `label` returns the name of a factor as it is read.
     pub fn show(&mut self, ui: &mut egui::Ui, counts: &Counts, label: impl Fn(&str) -> String) {
         people(ui, &counts.subjects, &mut self.0.exclude);

@@ -2,22 +2,22 @@
 
 use std::sync::Arc;
 
-use eframe::egui::{self, RichText};
+use eframe::egui;
 
 use super::{
     document::DocumentView,
-    opened::{Exported, Files, Opened, Request, problems},
+    opened::{Exported, Files, Opened},
     query,
 };
 use crate::{
-    app::ui::{hint, paragraph, theme},
+    app::ui::hint,
     report::{
         document::numbers::count,
         task_files,
         tasks::{TaskResults, TaskStudy, document, figures},
         write_files,
     },
-    store::table::List,
+    store::{FileError, table::List},
     text::names::natural,
     work::Analyze,
 };
@@ -59,36 +59,33 @@ impl Opened for OpenTask {
         self.view.show(ui, section)
     }
 
-    fn controls(&mut self, ui: &mut egui::Ui, _: &Files) -> Option<Request> {
+    fn about(&self) -> (String, [&[FileError]; 2]) {
         let study = &self.made.0;
-        paragraph(ui, RichText::new(&study.asked.title).strong());
+        (study.asked.title.clone(), [&study.errors, &[]])
+    }
+
+    fn controls(&mut self, ui: &mut egui::Ui, _: &Files) -> Option<Analyze> {
+        let study = &self.made.0;
         let people = count(study.people.len() as u64, "participant");
         hint(ui, format!("{people}, {}.", count(study.answers(), "answer")));
-        problems(ui, "Errors", &study.errors, theme::ink(ui).bad);
-        let other = ui.button("Other data…").clicked();
-        ui.separator();
         let before = self.excluded.clone();
         query::people(ui, &self.people, &mut self.excluded);
         if ui.add_enabled(!self.excluded.is_empty(), egui::Button::new("Select everything")).clicked() {
             self.excluded.clear();
         }
-        let read = (self.excluded != before).then(|| {
+        (self.excluded != before).then(|| {
             let mut asked = self.asked.clone();
             asked.ratings.how.exclude = (!self.excluded.is_empty()).then(|| List(self.excluded.clone()));
-            Request::Read(Box::new(asked))
-        });
-        if other { Some(Request::OtherData) } else { read }
+            asked
+        })
     }
 
     fn exported(&self) -> (Option<&Analyze>, Option<Exported<'_>>) {
-        let Self { asked, made, people, excluded, .. } = self;
-        let left = people.len() - excluded.len();
-        let filter =
-            if excluded.is_empty() { String::new() } else { format!("{left} of {} participants", people.len()) };
+        let Self { asked, made, excluded, .. } = self;
         let made = made.clone();
         let exported = Exported {
             request: asked,
-            filter,
+            is_filtered: !excluded.is_empty(),
             write: Arc::new(move |writer, provenance, folder| {
                 let contents = task_files(&made.0, &made.1, provenance, folder, false)?;
                 Ok(write_files(writer, folder, contents)?.len())

@@ -132,7 +132,11 @@ impl<M: Method> Calibrate<M> {
         let back = tool_page(ui, M::TITLE, |ui| {
             paragraph(ui, M::INTRODUCTION);
             ui.add_space(8.0);
-            let field = Field::new("File of measurements").column(LABELS).slot().error(&self.error);
+            let file = found(Path::new(self.path.trim()));
+            let is_there = file.is_ok_and(|file| file.is_some_and(|file| file.is_file()));
+            let note = "This file exists already. To resume, keep the settings. To start over, enter another file.";
+            let note = if is_there { note } else { "" };
+            let field = Field::new("File of measurements").column(LABELS).slot().error(&self.error).note(note, false);
             let (field, chosen) = field.path(ui, &mut self.path, (FileKind::Data, "Choose a file…"));
             if chosen || field.changed() {
                 self.error.clear();
@@ -155,11 +159,6 @@ impl<M: Method> Calibrate<M> {
                     hint(ui, format!("{items} {}, about {:.0} min.", M::ITEMS, (seconds / 60.0).ceil()));
                 }
                 Err(message) => show_error(ui, message),
-            }
-            let file = found(Path::new(self.path.trim()));
-            let is_there = file.is_ok_and(|file| file.is_some_and(|file| file.is_file()));
-            if is_there {
-                hint(ui, "This file exists already. To resume, keep the settings. To start over, enter another file.");
             }
             let text = if is_there { "Resume" } else { "Begin" };
             begin = neutral_primary(ui, text, estimate.is_ok(), "Full screen. Press Esc to pause.");
@@ -265,6 +264,9 @@ impl<M: Method> Tool for Calibrate<M> {
     }
 }
 
+/// The name of a screen that has none yet.
+const UNNAMED: &str = "My screen";
+
 /// The form for the details of a profile to save: name, person, instrument and file.
 struct ProfileForm {
     name: String,
@@ -275,7 +277,7 @@ struct ProfileForm {
 
 impl ProfileForm {
     fn new(known: &DisplayProfile, with: String) -> Self {
-        let name = if known.measured.is_some() { known.name.clone() } else { "My screen".to_owned() };
+        let name = if known.measured.is_some() { known.name.clone() } else { UNNAMED.to_owned() };
         let by = known.measured.clone().and_then(|measured| measured.by).unwrap_or_default();
         Self { name, by, with, saving: Saving::to("calibration/screen.toml") }
     }
@@ -302,7 +304,9 @@ impl ProfileForm {
             Ok(())
         });
         hint(ui, "The program then uses this profile.");
-        self.saving.show(ui);
+        if saved.is_none() {
+            self.saving.show(ui);
+        }
         saved
     }
 
@@ -310,7 +314,7 @@ impl ProfileForm {
     fn filled(&self, found: &DisplayProfile) -> DisplayProfile {
         let some = |text: &str| Some(text.trim().to_owned()).filter(|text| !text.is_empty());
         let measured = Measurement { on: Some(today()), by: some(&self.by), with: some(&self.with) };
-        let name = some(&self.name).unwrap_or_else(|| found.name.clone());
+        let name = some(&self.name).unwrap_or_else(|| UNNAMED.to_owned());
         DisplayProfile { name, measured: Some(measured), ..found.clone() }
     }
 }

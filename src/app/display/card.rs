@@ -1,6 +1,6 @@
 //! Measures the screen with a bank card held against it.
 
-use eframe::egui::{self, Id, Key, ScrollArea, Sense, Stroke, TextEdit, Vec2};
+use eframe::egui::{self, Id, ScrollArea, Sense, Stroke, TextEdit, Vec2};
 
 use crate::{
     app::ui::{
@@ -22,15 +22,15 @@ const MIN_PX: f32 = 100.0;
 /// A dialog with an outline that the user adjusts to the size of a card.
 pub struct CardHelper {
     card_px: f32,
-    /// The slider, once it has been drawn and has keyboard focus.
-    slider: Option<Id>,
+    /// Whether the slider has been drawn, and had the keyboard focus.
+    is_shown: bool,
 }
 
 impl CardHelper {
     /// Starts with the outline that matches the current width.
     fn new(screen_width_cm: f64, screen_width_px: u32) -> Self {
         let px_per_cm = f64::from(screen_width_px) / screen_width_cm.clamp(1.0, 1000.0);
-        Self { card_px: (px_per_cm * CARD_WIDTH_CM) as f32, slider: None }
+        Self { card_px: (px_per_cm * CARD_WIDTH_CM) as f32, is_shown: false }
     }
 
     /// Draws the field for the width of the screen, and the button that opens the dialog.
@@ -55,30 +55,26 @@ impl CardHelper {
     }
 
     fn show(&mut self, ctx: &egui::Context, screen_width_px: u32) -> Step<f64> {
-        // Enter accepts the width only if the slider or nothing has keyboard focus. In the number field, it ends
-        // typing; on a button, it activates the button.
-        let free = ctx.memory(|memory| memory.focused()).is_none_or(|focused| self.slider == Some(focused));
-        let accepted = free && self.slider.is_some() && ctx.input(|input| input.key_pressed(Key::Enter));
         let outline = Vec2::new(self.card_px, self.card_px * CARD_ASPECT) / ctx.pixels_per_point();
         let (step, closed) = modal(ctx, "card", COLUMN.max(outline.x), |ui, height| {
             let scrolling = ScrollArea::vertical().max_height(height).min_scrolled_height(height);
-            scrolling.show(ui, |ui| self.content(ui, screen_width_px, outline, accepted)).inner
+            scrolling.show(ui, |ui| self.content(ui, screen_width_px, outline)).inner
         });
         if closed && step == Step::Stay { Step::Back } else { step }
     }
 
-    fn content(&mut self, ui: &mut egui::Ui, screen_width_px: u32, outline: Vec2, accepted: bool) -> Step<f64> {
+    fn content(&mut self, ui: &mut egui::Ui, screen_width_px: u32, outline: Vec2) -> Step<f64> {
         ui.heading("Measure the screen with a card");
         ui.label(
             "Hold a bank card (8.56 cm wide) against the screen and adjust the outline to the same width with the \
-            left and right arrow keys. Press Enter to accept.",
+            left and right arrow keys.",
         );
         // A small window does not limit the outline.
         let range = MIN_PX..=(screen_width_px as f32).max(2.0 * MIN_PX);
         let field = Field::new("Width of the outline, pixels").column(LABEL).width(SLIDER);
-        let slider = field.slider(ui, &mut self.card_px, range, 1.0).id;
-        if self.slider.replace(slider).is_none() {
-            ui.memory_mut(|memory| memory.request_focus(slider));
+        let slider = field.slider(ui, &mut self.card_px, range, 1.0);
+        if !std::mem::replace(&mut self.is_shown, true) {
+            slider.request_focus();
         }
         if outline.x > ui.available_width() {
             ui.label(secondary("The outline is wider than this window. Make the window larger to see all of it."));
@@ -98,7 +94,7 @@ impl CardHelper {
             if ui.button("Cancel").clicked() {
                 return Step::Back;
             }
-            let width = found.ok().filter(|_| used || accepted);
+            let width = found.ok().filter(|_| used);
             width.map_or(Step::Stay, |width| Step::Next((width * 10.0).round() / 10.0))
         })
         .inner

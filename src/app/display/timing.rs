@@ -10,15 +10,11 @@ use eframe::{
 use super::calibrate::{Tool, full_screen};
 use crate::{
     app::ui::{
-        Field, Monitor, Step,
-        figure::FigureView,
-        neutral_primary, page, paragraph, secondary,
-        theme::{DARK_PAGE, ink},
-        tool_page,
+        Field, Monitor, Step, figure::FigureView, neutral_primary, page, paragraph, secondary, theme::ink, tool_page,
     },
     display::{
         Viewing,
-        frames::{FrameTimes, MIN_ESTIMATE_INTERVALS, Refresh},
+        frames::{FrameTimes, Refresh},
     },
     report::figures,
 };
@@ -90,14 +86,9 @@ impl TimingReport {
         ]
     }
 
-    /// Returns whether there is one frame per refresh, which is unknown if there are too few frames to judge, and says so in
-    /// one or two sentences.
-    pub fn verdict(&self) -> (Option<bool>, String) {
+    /// Returns whether there is one frame per refresh, and says so in one or two sentences.
+    pub fn verdict(&self) -> (bool, String) {
         let (count, ms) = (self.intervals_us().len(), |p: f64| self.times.quantile(p).unwrap_or_default() * 1e3);
-        if count < MIN_ESTIMATE_INTERVALS {
-            let told = format!("{count} frames are too few to judge; expected {MIN_ESTIMATE_INTERVALS} or more.");
-            return (None, told);
-        }
         let Some(refresh) = self.refresh.filter(|refresh| refresh.is_followed_by(self.intervals_us())) else {
             let judged = match self.refresh {
                 Some(refresh) => format!("not even the {:.2} Hz that the system reports", refresh.hz()),
@@ -109,7 +100,7 @@ impl TimingReport {
                 ms(0.01),
                 ms(0.99)
             );
-            return (Some(false), told);
+            return (false, told);
         };
         let (hz, dropped) = (refresh.hz(), self.times.dropped().unwrap_or_default());
         let percent = 100.0 * dropped as f64 / count as f64;
@@ -119,7 +110,7 @@ impl TimingReport {
                 "The frames follow the refresh rate of {hz:.2} Hz; dropped frames: {dropped} of {count} ({percent:.1} %). Close other programs."
             ),
         };
-        (Some(dropped == 0), told)
+        (dropped == 0, told)
     }
 }
 
@@ -153,11 +144,6 @@ impl TimingRun {
         }
         let measured = self.times.intervals_us();
         (measured.len() >= FRAMES).then(|| TimingReport::new(measured, monitor))
-    }
-
-    /// Returns the background color of the page: black, so that nothing of the warning remains behind the patch.
-    fn ground(&self) -> Color32 {
-        if self.frame > 0 { Color32::BLACK } else { DARK_PAGE }
     }
 }
 
@@ -197,7 +183,7 @@ impl TimingTool {
     fn show_found(&mut self, ui: &mut egui::Ui) {
         let Some((report, figure)) = &mut self.found else { return };
         let (is_one_by_one, told) = report.verdict();
-        let color = if is_one_by_one == Some(true) { ink(ui).good } else { ink(ui).warn };
+        let color = if is_one_by_one { ink(ui).good } else { ink(ui).warn };
         paragraph(ui, RichText::new(told).strong().color(color));
         ui.add_space(4.0);
         egui::Grid::new("timing").num_columns(2).spacing([24.0, 4.0]).show(ui, |ui| {
@@ -245,6 +231,6 @@ impl Tool for TimingTool {
     }
 
     fn ground(&self) -> Option<Color32> {
-        self.run.as_ref().map(TimingRun::ground)
+        self.run.is_some().then_some(Color32::BLACK)
     }
 }

@@ -46,9 +46,8 @@ pub struct Editor {
     preview: Preview,
     thumbnails: Thumbnails,
     fonts: TextFonts,
-    /// The part of the form to scroll to, and whether the form has been drawn.
+    /// The part of the form to scroll to.
     wanted: Option<usize>,
-    is_shown: bool,
     /// Whether the user is being asked to discard the changes.
     leaving: bool,
 }
@@ -150,10 +149,9 @@ impl Editor {
         back
     }
 
-    /// Returns the scrolling room of the form, which begins at its top.
-    fn scrolled(&mut self) -> ScrollArea {
-        let area = ScrollArea::vertical().id_salt("form").auto_shrink(false);
-        if std::mem::replace(&mut self.is_shown, true) { area } else { area.vertical_scroll_offset(0.0) }
+    /// Returns the scrolling room of the form. That of another definition begins at its top.
+    fn scrolled(&self) -> ScrollArea {
+        ScrollArea::vertical().id_salt(("form", &self.of)).auto_shrink(false)
     }
 
     fn fields(&mut self, ui: &mut Ui) {

@@ -86,6 +86,9 @@ struct Shown {
 /// Points of a plotted curve.
 type Trace = Vec<[f64; 2]>;
 
+/// A visible band along a line: its signed distance from the center, in window sides, and whether it is bright.
+type Mark = (f64, bool);
+
 /// Returns the default values of a kind's parameters, as text.
 fn default_values(entry: &catalog::Entry) -> Vec<String> {
     let stimulus = entry.default_stimulus();
@@ -261,10 +264,7 @@ impl Gallery {
     fn export(&mut self, ui: &mut Ui) {
         let Some(shown) = &self.shown else { return };
         // Below a control, an error would shift the others.
-        match self.faults.is_empty() {
-            true => ui::hint(ui, format!("Display: {}.", self.display.sentence())),
-            false => self.faults.iter().for_each(|(_, error)| ui::show_error(ui, error)),
-        }
+        self.faults.iter().for_each(|(_, error)| ui::show_error(ui, error));
         let field = Field::new("Export to").column(LABELS).width(ui.available_width() - LABELS - theme::GAP);
         self.saving.field(ui, field).on_hover_text(
             "The ending chooses the format: .png for the image, .csv for the light along its orientation.",
@@ -374,7 +374,7 @@ impl Gallery {
         // The requested light is drawn last: where the curves agree, it covers the other.
         let lines = [(after, emitted), (requested, asked)];
         let response = plot(ui, AXIS + side, lines, |plot| {
-            marks.iter().for_each(|mark| draw_mark(plot, mark, asked, ink.ink));
+            marks.iter().for_each(|mark| draw_mark(plot, *mark, asked, ink.ink));
         });
         if stimulus.is_line() {
             let bands = if kind.has_bands { description(marks) } else { "no Mach bands".to_owned() };
@@ -384,17 +384,16 @@ impl Gallery {
 }
 
 /// Draws an arrow from the curve at a predicted band, up for a bright band and down for a dark one.
-fn draw_mark(plot: &mut PlotUi<'_>, mark: &Mark, curve: &[[f64; 2]], color: Color32) {
+fn draw_mark(plot: &mut PlotUi<'_>, (place, is_bright): Mark, curve: &[[f64; 2]], color: Color32) {
     let light = || curve.iter().map(|point| point[1]);
     let (least, most) = (light().fold(f64::INFINITY, f64::min), light().fold(f64::NEG_INFINITY, f64::max));
     let length = (most - least).max(0.02) * MARK;
-    let nearest = curve.partition_point(|point| point[0] < mark.place).min(curve.len().saturating_sub(1));
+    let nearest = curve.partition_point(|point| point[0] < place).min(curve.len().saturating_sub(1));
     let Some([_, light]) = curve.get(nearest) else { return };
-    let (tip, shape) =
-        if mark.is_bright { (light + length, MarkerShape::Up) } else { (light - length, MarkerShape::Down) };
+    let (tip, shape) = if is_bright { (light + length, MarkerShape::Up) } else { (light - length, MarkerShape::Down) };
     let name = "predicted band";
-    plot.line(Line::new(name, vec![[mark.place, *light], [mark.place, tip]]).color(color).width(2.0));
-    plot.points(Points::new(name, vec![[mark.place, tip]]).color(color).shape(shape).radius(5.0).filled(true));
+    plot.line(Line::new(name, vec![[place, *light], [place, tip]]).color(color).width(2.0));
+    plot.points(Points::new(name, vec![[place, tip]]).color(color).shape(shape).radius(5.0).filled(true));
 }
 
 /// Draws a plot whose data area, right of its axis, is below the image.
@@ -512,24 +511,16 @@ fn description(marks: &[Mark]) -> String {
     if marks.is_empty() {
         return "no predicted band".to_owned();
     }
-    let one = |mark: &Mark| format!("{} at {:+.2}", if mark.is_bright { "bright" } else { "dark" }, mark.place);
+    let one = |(place, is_bright): &Mark| format!("{} at {place:+.2}", if *is_bright { "bright" } else { "dark" });
     format!("predicted bands: {}", marks.iter().map(one).collect::<Vec<_>>().join(", "))
 }
 
 /// Strength of a band that is just visible; weaker bands are not shown.
 const JUST_VISIBLE: f64 = 1.0;
 
-/// A visible band along a line.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Mark {
-    /// Signed distance from the center, in window sides.
-    place: f64,
-    is_bright: bool,
-}
-
 /// Returns the visible bands of a ramp.
 fn marks(RampBands { bright, dark, at_deg, .. }: &RampBands, window_deg: f64) -> Vec<Mark> {
     let both = [(*bright, at_deg[0], true), (*dark, at_deg[1], false)];
     let visible = both.into_iter().filter(|(strength, ..)| *strength >= JUST_VISIBLE);
-    visible.map(|(_, at_deg, is_bright)| Mark { place: at_deg / window_deg, is_bright }).collect()
+    visible.map(|(_, at_deg, is_bright)| (at_deg / window_deg, is_bright)).collect()
 }
