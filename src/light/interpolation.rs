@@ -114,29 +114,11 @@ impl<'de> Deserialize<'de> for Depth {
 /// text says.
 pub const TANH_K: f64 = 5.0;
 
-const MAX: usize = Depth::MAX_FINITE as usize;
-
-/// `SUMS[n][k]` = C(n−1+k, k): the coefficients of the sum whose terms do not cancel. From Pascal's triangle, which is exact.
-static SUMS: [[f64; MAX]; MAX + 1] = {
-    let (mut exact, mut table) = ([[1_u64; MAX]; MAX + 1], [[1.0; MAX]; MAX + 1]);
-    let mut n = 2;
-    while n <= MAX {
-        let mut k = 1;
-        while k < MAX {
-            exact[n][k] = exact[n - 1][k] + exact[n][k - 1];
-            table[n][k] = exact[n][k] as f64;
-            k += 1;
-        }
-        n += 1;
-    }
-    table
-};
-
 /// I_n for one depth, prepared for repeated evaluation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Interpolation {
-    /// Of a finite depth n: C(n−1+k, k) for each k < n, the coefficients of the sum.
-    Polynomial(&'static [f64]),
+    /// Of a finite depth n.
+    Polynomial(u8),
     /// Of the infinite depth: a scaled tanh of this steepness.
     Tanh {
         /// The steepness, above 0.
@@ -155,10 +137,7 @@ impl Interpolation {
     pub fn with_k(depth: Depth, k: f64) -> Self {
         match depth {
             Depth::Infinite => Self::Tanh { k },
-            Depth::Finite(n) => {
-                let n = usize::from(n).clamp(1, MAX);
-                Self::Polynomial(&SUMS[n][..n])
-            }
+            Depth::Finite(n) => Self::Polynomial(n.clamp(1, Depth::MAX_FINITE)),
         }
     }
 
@@ -185,9 +164,14 @@ impl Interpolation {
     #[inline]
     fn lower_half(&self, u: f64) -> f64 {
         match self {
-            Self::Polynomial(sum) => {
-                let v = 1.0 - u;
-                power(u, sum.len()) * sum.iter().rev().fold(0.0, |sum, c| sum * v + c)
+            Self::Polynomial(n) => {
+                let (mut term, mut sum) = (1.0, 1.0);
+                // C(n−1+k, k)·(1−u)^k from the term before it.
+                for k in 1..*n {
+                    term *= (1.0 - u) * (f64::from(n - 1 + k) / f64::from(k));
+                    sum += term;
+                }
+                power(u, usize::from(*n)) * sum
             }
             // (1 + tanh(k(u−½)))/2, in a form that does not cancel below u = ½.
             Self::Tanh { k } => 1.0 / (1.0 + (2.0 * k * (0.5 - u)).exp()),

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     color::StimulusColor,
-    drawing::{self, Area, Profile, place},
+    drawing::{Area, Line},
     figures::{Kanizsa, Vasarely},
     mach_band::MachBand,
     parameter::{Parameter, ParameterError, ParameterValue},
@@ -13,7 +13,7 @@ use super::{
     profiles::{Chevreul, Cornsweet, Cylinder},
     shaded_mesh::ShadedMesh,
 };
-use crate::light::{Bits, CodeImage, LinearImage, Quantizer, Samples};
+use crate::light::{CodeImage, LinearImage, Quantizer};
 use crate::text::names::expected_one_of;
 
 macro_rules! stimuli {
@@ -155,24 +155,18 @@ impl From<Picture> for Stimulus {
     }
 }
 
-/// How a kind is drawn.
-enum Drawing<'a> {
-    /// Varies only along an orientation, in degrees.
-    Line(f64, Box<dyn Profile + 'a>),
-    Area(&'a dyn Area),
-}
-
 impl Stimulus {
-    fn drawing(&self) -> Drawing<'_> {
+    /// Calls `of` with what the window shows.
+    fn drawn<R>(&self, of: impl Fn(&dyn Area) -> R) -> R {
         match self {
-            Self::MachBand(band) => Drawing::Line(band.orientation_deg, Box::new(band.ramp())),
-            Self::Chevreul(chevreul) => Drawing::Line(chevreul.orientation_deg, Box::new(chevreul)),
-            Self::Cornsweet(cornsweet) => Drawing::Line(cornsweet.orientation_deg, Box::new(cornsweet)),
-            Self::Cylinder(cylinder) => Drawing::Line(cylinder.orientation_deg, Box::new(cylinder)),
-            Self::Vasarely(vasarely) => Drawing::Area(vasarely),
-            Self::Kanizsa(kanizsa) => Drawing::Area(kanizsa),
-            Self::ShadedMesh(mesh) => Drawing::Area(mesh),
-            Self::Image(picture) => Drawing::Area(picture),
+            Self::MachBand(band) => of(&Line(band.orientation_deg, band.ramp())),
+            Self::Chevreul(chevreul) => of(&Line(chevreul.orientation_deg, chevreul)),
+            Self::Cornsweet(cornsweet) => of(&Line(cornsweet.orientation_deg, cornsweet)),
+            Self::Cylinder(cylinder) => of(&Line(cylinder.orientation_deg, cylinder)),
+            Self::Vasarely(vasarely) => of(vasarely),
+            Self::Kanizsa(kanizsa) => of(kanizsa),
+            Self::ShadedMesh(mesh) => of(mesh),
+            Self::Image(picture) => of(picture),
         }
     }
 
@@ -203,27 +197,17 @@ impl Stimulus {
 
     /// Returns whether the stimulus varies only along its orientation.
     pub fn is_line(&self) -> bool {
-        matches!(self.drawing(), Drawing::Line(..))
+        matches!(self, Self::MachBand(_) | Self::Chevreul(_) | Self::Cornsweet(_) | Self::Cylinder(_))
     }
 
     /// Returns the light of a window of `size` × `size` pixels.
     pub fn linear(&self, size: u32) -> LinearImage {
-        match self.drawing() {
-            Drawing::Line(orientation_deg, profile) => drawing::linear(&*profile, orientation_deg, size),
-            Drawing::Area(area) => area.linear(size),
-        }
+        self.drawn(|area| area.linear(size))
     }
 
     /// Returns the codes of a window of `size` × `size` pixels. They equal the quantized light of [`Stimulus::linear`].
     pub fn codes(&self, size: u32, quantizer: &Quantizer) -> CodeImage {
-        match (self, self.drawing()) {
-            (_, Drawing::Line(orientation_deg, profile)) if quantizer.bits() == Bits::Eight && profile.is_plain() => {
-                let samples = Samples::Eight(drawing::codes(&*profile, orientation_deg, size, quantizer));
-                CodeImage { width: size, height: size, samples }
-            }
-            (Self::Image(picture), _) => picture.codes(size, quantizer),
-            _ => quantizer.quantize(&self.linear(size)),
-        }
+        self.drawn(|area| area.codes(size, quantizer))
     }
 
     /// Returns whether everything that is needed to draw the stimulus is known: of a study's own picture, the pixels.
@@ -239,12 +223,7 @@ impl Stimulus {
     /// Returns the requested light at the centers of a row of `size` pixels through the center of the window, along the
     /// orientation.
     pub fn profile(&self, size: u32) -> Vec<[f32; 3]> {
-        match self.drawing() {
-            Drawing::Line(_, profile) => {
-                (0..size).map(|i| profile.light(place(i, size), 0.0).map(|light| light as f32)).collect()
-            }
-            Drawing::Area(area) => area.profile(size),
-        }
+        self.drawn(|area| area.profile(size))
     }
 
     /// Returns the light of a uniform field of relative luminance `level` in the color of this stimulus.

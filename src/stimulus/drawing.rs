@@ -8,13 +8,18 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 use rayon::prelude::*;
 
-use crate::light::{LinearImage, Quantizer};
+use crate::light::{Bits, CodeImage, LinearImage, Quantizer, Samples};
 use crate::system::checkpoint;
 
-/// A stimulus that varies in both directions and is drawn pixel by pixel.
+/// What a window shows.
 pub(super) trait Area {
     /// Returns the light of a window of `size` × `size` pixels.
     fn linear(&self, size: u32) -> LinearImage;
+
+    /// Returns its codes, which equal the quantized light.
+    fn codes(&self, size: u32, quantizer: &Quantizer) -> CodeImage {
+        quantizer.quantize(&self.linear(size))
+    }
 
     /// Returns the light at the centers of a row of `size` pixels through the middle, along the orientation.
     fn profile(&self, size: u32) -> Vec<[f32; 3]>;
@@ -75,18 +80,33 @@ impl<'a> Pixels<'a> {
     }
 }
 
-/// Returns the light of a window of `size` × `size` pixels.
-pub(super) fn linear(profile: &dyn Profile, orientation_deg: f64, size: u32) -> LinearImage {
-    let pixels = Pixels::new(profile, orientation_deg, size);
-    LinearImage::from_fn(size, size, |ix, iy| pixels.light(ix, iy))
+/// A profile along an orientation, in degrees.
+pub(super) struct Line<P>(pub f64, pub P);
+
+impl<P: Profile> Area for Line<P> {
+    fn linear(&self, size: u32) -> LinearImage {
+        let pixels = Pixels::new(&self.1, self.0, size);
+        LinearImage::from_fn(size, size, |ix, iy| pixels.light(ix, iy))
+    }
+
+    fn codes(&self, size: u32, quantizer: &Quantizer) -> CodeImage {
+        if quantizer.bits() != Bits::Eight || !self.1.is_plain() {
+            return quantizer.quantize(&self.linear(size));
+        }
+        CodeImage { width: size, height: size, samples: Samples::Eight(codes(&self.1, self.0, size, quantizer)) }
+    }
+
+    fn profile(&self, size: u32) -> Vec<[f32; 3]> {
+        (0..size).map(|i| self.1.light(place(i, size), 0.0).map(|light| light as f32)).collect()
+    }
 }
 
-/// Returns the 8-bit codes of a window of `size` × `size` pixels. They are exactly the quantized light of [`linear`].
+/// Returns the 8-bit codes of a window of `size` × `size` pixels. They are exactly the quantized light.
 ///
 /// All pixels at the same distance from the center line are alike, so the profile is divided into runs of positions
 /// that are certain to have the same code. Rows are filled run by run; the few pixels between two runs are computed
 /// individually.
-pub(super) fn codes(profile: &dyn Profile, orientation_deg: f64, size: u32, quantizer: &Quantizer) -> Vec<u8> {
+fn codes(profile: &dyn Profile, orientation_deg: f64, size: u32, quantizer: &Quantizer) -> Vec<u8> {
     let pixels = Pixels::new(profile, orientation_deg, size);
     // An 8-bit code fits.
     let pixel = |ix: usize, iy: usize| quantizer.codes(pixels.light(ix as u32, iy as u32)).map(|code| code as u8);

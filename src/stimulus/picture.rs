@@ -236,27 +236,6 @@ impl Picture {
         self.chosen().is_some_and(|picture| picture.content.is_some())
     }
 
-    /// Returns the codes of a window of `side` pixels.
-    pub(super) fn codes(&self, side: u32, quantizer: &Quantizer) -> CodeImage {
-        let content = self.chosen().and_then(|picture| picture.content.as_ref());
-        let Some(content) = content.filter(|_| quantizer.bits() == Bits::Eight) else {
-            return quantizer.quantize(&self.linear(side));
-        };
-        let background = quantizer.codes([self.gallery.background as f32; 3]);
-        let light = self.sized(self.gallery.show.light(content), side);
-        let codes = match self.gallery.show {
-            ShownAs::Codes => Quantizer::new(Transfer::Srgb, Bits::Eight).quantize(&light),
-            ShownAs::Display if content.is_fine => quantizer.quantize_with(&light, &Dither::BlueNoise),
-            ShownAs::Display => quantizer.quantize(&light),
-        };
-        let pixel = |x, y| {
-            let inside = inside([codes.width, codes.height], side, x, y);
-            inside.map_or(background, |[x, y]| codes.pixel(x, y)).map(|code| code as u8)
-        };
-        let samples = (0..side).flat_map(|y| (0..side).flat_map(move |x| pixel(x, y))).collect();
-        CodeImage { width: side, height: side, samples: Samples::Eight(samples) }
-    }
-
     /// Returns the picture at the size at which it is shown in a window of `side` pixels.
     fn sized(&self, light: LinearImage, side: u32) -> LinearImage {
         let longer = light.width.max(light.height);
@@ -282,6 +261,26 @@ impl Area for Picture {
         LinearImage::from_fn(side, side, |x, y| {
             inside([light.width, light.height], side, x, y).map_or(background, |[x, y]| light.pixel(x, y))
         })
+    }
+
+    fn codes(&self, side: u32, quantizer: &Quantizer) -> CodeImage {
+        let content = self.chosen().and_then(|picture| picture.content.as_ref());
+        let Some(content) = content.filter(|_| quantizer.bits() == Bits::Eight) else {
+            return quantizer.quantize(&self.linear(side));
+        };
+        let background = quantizer.codes([self.gallery.background as f32; 3]);
+        let light = self.sized(self.gallery.show.light(content), side);
+        let codes = match self.gallery.show {
+            ShownAs::Codes => Quantizer::new(Transfer::Srgb, Bits::Eight).quantize(&light),
+            ShownAs::Display if content.is_fine => quantizer.quantize_with(&light, &Dither::BlueNoise),
+            ShownAs::Display => quantizer.quantize(&light),
+        };
+        let pixel = |x, y| {
+            let inside = inside([codes.width, codes.height], side, x, y);
+            inside.map_or(background, |[x, y]| codes.pixel(x, y)).map(|code| code as u8)
+        };
+        let samples = (0..side).flat_map(|y| (0..side).flat_map(move |x| pixel(x, y))).collect();
+        CodeImage { width: side, height: side, samples: Samples::Eight(samples) }
     }
 
     fn profile(&self, size: u32) -> Vec<[f32; 3]> {

@@ -8,7 +8,6 @@ use super::read::{content, decode};
 use crate::{
     display::Primaries,
     light::{CodeImage, Transfer, TransferTable, Transfers},
-    stimulus::recipe::MAX_SIZE,
     store::{FileErrors, StoreError, error::io},
     system::{entries, found},
     vision,
@@ -84,7 +83,7 @@ pub fn parse_picture(
     transfers: Option<&Transfers>,
     pixels: u64,
 ) -> Result<Picture, StoreError> {
-    let (codes, info) = decode(name, content, pixels, transfers.is_none(), |_| Ok(MAX_SIZE))?;
+    let (codes, info) = decode(name, content, pixels, transfers.is_none(), |_| Ok(()))?;
     // The bits of a palette's indices are not those of its colors.
     let bits = if info.color_type == ColorType::Indexed { 8 } else { info.bit_depth as u32 };
     let said = info.sbit.as_ref().and_then(|said| said.iter().max());

@@ -26,14 +26,14 @@ pub(super) fn content(path: &Path) -> Result<Vec<u8>, FileErrors> {
 }
 
 /// Decodes an opaque PNG of at most `pixels` pixels into its codes and its other chunks, with its color profile if
-/// `profile` is true. `accept` sees the header
-/// before any pixel is decoded; it returns the largest allowed side length, or the reason why the image is refused.
+/// `profile` is true. `accept` sees the header before any pixel is decoded; it may return the reason why the image is
+/// refused.
 pub(super) fn decode(
     name: &str,
     content: &[u8],
     pixels: u64,
     profile: bool,
-    accept: impl Fn(&Info<'_>) -> Result<u32, String>,
+    accept: impl Fn(&Info<'_>) -> Result<(), String>,
 ) -> Result<(CodeImage, Info<'static>), StoreError> {
     let fail = |message: String| StoreError::from(FileErrors::whole(name, message));
     if !content.starts_with(b"\x89PNG\r\n\x1a\n") {
@@ -51,9 +51,10 @@ pub(super) fn decode(
     decoder.set_ignore_iccp_chunk(!profile);
     let mut reader = decoder.read_info().map_err(broken)?;
     let info = reader.info().clone();
-    let (width, height, side_max) = (info.width, info.height, accept(&info).map_err(fail)?);
-    if width.max(height) > side_max {
-        return Err(fail(format!("has {width} × {height} pixels; expected at most {side_max} per side")));
+    let (width, height) = (info.width, info.height);
+    accept(&info).map_err(fail)?;
+    if width.max(height) > MAX_SIZE {
+        return Err(fail(format!("has {width} × {height} pixels; expected at most {MAX_SIZE} per side")));
     }
     if u64::from(width) * u64::from(height) > pixels {
         let message = format!("has {width} × {height} pixels; expected at most {pixels} pixels");
@@ -163,7 +164,7 @@ pub fn verify_content(name: &str, content: &[u8], pixels: u64) -> Result<String,
                 "is a shaded mesh, which cannot be verified; expected an image written by `stimulus` or `stimuli`. It was made with {parameters}"
             ));
         }
-        recipe_of(info).map(|_| MAX_SIZE)
+        recipe_of(info).map(drop)
     })?;
     let (recipe, finish) = recipe_of(&info).map_err(fail)?;
     let (width, height, side) = (image.width, image.height, finish.side(&recipe));
@@ -171,7 +172,7 @@ pub fn verify_content(name: &str, content: &[u8], pixels: u64) -> Result<String,
         return Err(fail(format!("has {width} × {height} pixels; expected {side} per side, according to its recipe")));
     }
     let made = recipe_png(Path::new(name), &recipe, &recipe.quantizer(), finish)?;
-    let (expected, _) = decode(name, &made, u64::MAX, false, |_| Ok(MAX_SIZE))?;
+    let (expected, _) = decode(name, &made, u64::MAX, false, |_| Ok(()))?;
     if image != expected {
         return Err(fail("has other codes than its recipe makes; expected an image that nobody changed".to_owned()));
     }
