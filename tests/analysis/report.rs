@@ -219,6 +219,7 @@ fn session(protocol: &Protocol, subject: &str, sitting: Sitting) -> SessionRead 
         path: PathBuf::from(format!("{subject}.csv")),
         planned: Some(90),
         rated: 90,
+        skipped: 0,
         sidecar: Some(Sidecar::new(protocol, 1, sitting).into()),
     }
 }

@@ -50,7 +50,7 @@ impl Display {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let normal = Normal::new(1.0, noise).unwrap();
         let mut readings = Vec::new();
-        for (index, channel) in Channel::ALL.into_iter().enumerate() {
+        for (index, channel) in Channel::ALL.iter().copied().enumerate() {
             for step in 0..levels {
                 let level = step as f64 / (levels - 1) as f64;
                 let luminance_cd_m2 = self.cd_m2(index, level) * normal.sample(&mut rng);
@@ -240,13 +240,13 @@ fn every_kind_of_bad_readings_has_its_own_message() {
 
 #[test]
 fn the_plan_shows_every_patch_with_white_in_between() {
-    let plan = patches(&Channel::ALL, 17, 2).unwrap();
-    assert_eq!(plan, patches(&Channel::ALL, 17, 2).unwrap());
+    let plan = patches(Channel::ALL, 17, 2).unwrap();
+    assert_eq!(plan, patches(Channel::ALL, 17, 2).unwrap());
     let is_white = |patch: &Patch| patch.channel == Channel::Gray && patch.code == 255;
     let whites: Vec<usize> = (0..plan.len()).filter(|at| is_white(&plan[*at])).collect();
     assert!(whites.first() == Some(&0) && whites.last() == Some(&(plan.len() - 1)));
     assert!(whites.windows(2).all(|pair| pair[1] - pair[0] <= 17), "{whites:?}");
-    for channel in Channel::ALL {
+    for &channel in Channel::ALL {
         for step in 1..17u32 {
             let code = (255.0 * f64::from(step) / 16.0).round() as u8;
             let shown = plan.iter().filter(|patch| patch.channel == channel && patch.code == code).count();
