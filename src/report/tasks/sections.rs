@@ -182,7 +182,8 @@ fn comparisons(study: &TaskStudy, found: &Comparisons, figures: &[Figure]) -> Se
          determine a scale."
     });
     let span = |own: &Option<[Scale; 2]>| {
-        own.as_ref().and_then(|[own, _]| own.groups.iter().map(|group| own.span(group)).reduce(f64::max))
+        let own = own.as_ref().map(|[own, _]| own).filter(|own| !own.is_limited)?;
+        own.groups.iter().map(|group| own.span(group)).reduce(f64::max)
     };
     let rows: Vec<_> = study.people.iter().zip(&found.triads).zip(&found.own).collect();
     TableOf::new("Contradictions of each participant", &rows)
@@ -193,7 +194,7 @@ fn comparisons(study: &TaskStudy, found: &Comparisons, figures: &[Figure]) -> Se
         .add_to(&mut section);
     section.note(
         "A triad is circular if a is chosen over b, b over c, and c over a. By chance, one in four would be; adaptive pairs leave many triads \
-         undecided.",
+         undecided. A span that only a weak prior limits is left out.",
     );
     section
 }
