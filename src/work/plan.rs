@@ -257,7 +257,8 @@ impl Plan {
         let Model { terms, link, slopes, .. } = self.model.clone();
         let max_coefficients = Some(self.model.max_coefficients());
         let model = Options { terms, link, slopes, max_coefficients, ..Options::default() };
-        let plan = power::Plan::new(&protocol, &observer, &shifts, &self.slopes(), &model).map_err(refused)?;
+        let plan =
+            power::Plan::new(&protocol, &observer, &shifts, &self.slopes(), &model).map_err(RequestError::from)?;
         let sampling = Sampling { studies: self.studies, alpha: self.alpha, seed: self.seed };
         let participants = in_order(&self.participants);
         let all = plan.simulated(&participants, &sampling);
@@ -300,19 +301,14 @@ fn progress(watcher: &dyn Watcher, all: u64) -> impl Fn(u64) + Sync {
 
 impl From<PlanError> for RequestError {
     fn from(error: PlanError) -> Self {
-        refused(error)
-    }
-}
-
-/// Returns what is wrong with the request.
-fn refused(error: PlanError) -> RequestError {
-    match &error {
-        PlanError::Model(of_model) => analyze::refused(of_model).unwrap_or_else(|| RequestError::whole(&error)),
-        PlanError::UnknownFactor { is_slope: true, .. } => RequestError::value("deviations", &error),
-        PlanError::UnknownFactor { .. } | PlanError::UnknownLevel { .. } => RequestError::value("effects", &error),
-        PlanError::Untestable { .. } => RequestError::value("terms", &error),
-        PlanError::TooLarge(_) => RequestError::whole(&error).unless("large"),
-        PlanError::NothingVaries => RequestError::whole(&error),
+        match &error {
+            PlanError::Model(of_model) => analyze::refused(of_model).unwrap_or_else(|| Self::whole(&error)),
+            PlanError::UnknownFactor { is_slope: true, .. } => Self::value("deviations", &error),
+            PlanError::UnknownFactor { .. } | PlanError::UnknownLevel { .. } => Self::value("effects", &error),
+            PlanError::Untestable { .. } => Self::value("terms", &error),
+            PlanError::TooLarge(_) => Self::whole(&error).unless("large"),
+            PlanError::NothingVaries => Self::whole(&error),
+        }
     }
 }
 

@@ -398,21 +398,28 @@ impl<'a> Posterior<'a> {
     }
 
     /// Searches for maxima of the density from several starts: it can have one with few lapses and another one with many,
-    /// or one with η = 0 and another one above. The highest comes first.
+    /// one with η = 0 and another one above, or one of a function that rises between two levels. The highest comes first.
     pub fn maxima(&self) -> Vec<(f64, Place)> {
         let bounds = self.bounds();
         let within = |axis: usize, share: f64| bounds[axis][0] + share * (bounds[axis][1] - bounds[axis][0]);
-        let searched = |[lapse, eta]: [f64; 2]| {
-            let start = |threshold: f64, width: f64| {
-                [within(THRESHOLD, threshold), within(WIDTH, width), within(LAPSE, lapse), within(GUESS, 0.04), eta]
+        let node = |i: u32, j: u32| [within(THRESHOLD, f64::from(i) / 12.0), within(WIDTH, f64::from(j) / 12.0)];
+        let grid: Vec<[f64; 2]> = (1..12).flat_map(|i| (1..12).map(move |j| (i, j))).map(|(i, j)| node(i, j)).collect();
+        // A grid can miss them, because their thresholds lie in a narrow range.
+        let mut levels: Vec<f64> = self.points.iter().filter(|point| point.is_target()).map(|point| point.x).collect();
+        levels.sort_by(f64::total_cmp);
+        let least = bounds[WIDTH][0] + 1.5_f64.ln();
+        let step = |pair: &[f64]| [f64::midpoint(pair[0], pair[1]), ((pair[1] - pair[0]) / 2.0).ln().max(least)];
+        let steps: Vec<[f64; 2]> = levels.windows(2).map(step).collect();
+        let searched = |(nodes, [lapse, eta]): (&Vec<[f64; 2]>, [f64; 2])| {
+            let start = |[threshold, ln_width]: &[f64; 2]| {
+                [*threshold, *ln_width, within(LAPSE, lapse), within(GUESS, 0.04), eta]
             };
-            let nodes = (1..12).flat_map(|i| (1..12).map(move |j| [f64::from(i) / 12.0, f64::from(j) / 12.0]));
-            let starts = self.highest_first(nodes.map(|[threshold, width]| start(threshold, width)));
-            self.search(&starts[0].1)
+            Some(self.search(&self.highest_first(nodes.iter().map(start)).first()?.1))
         };
         let etas = if bounds[ETA][1] > 0.0 { &[0.0, 0.1, 0.3][..] } else { &[0.0] };
         let shares = etas.iter().map(|&eta| [0.03, eta]).chain([[0.0, 0.0], [0.08, 0.0], [0.3, 0.0]]);
-        self.highest_first(shares.map(searched))
+        let from_steps = [[0.03, 0.0], [0.0, 0.0]].map(|shares| (&steps, shares));
+        self.highest_first(shares.map(|shares| (&grid, shares)).chain(from_steps).filter_map(searched))
     }
 
     fn highest_first(&self, places: impl Iterator<Item = Place>) -> Vec<(f64, Place)> {

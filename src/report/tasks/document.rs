@@ -65,7 +65,7 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
 /// Says what the mean of each condition is. Values of a scale mean something only beside each other.
 fn means(study: &TaskStudy, results: &TaskResults) -> Vec<String> {
     let estimand = study.asked.estimand();
-    let guess = match (&study.asked.protocol, results.shares.is_empty()) {
+    let guess = match (&study.asked.protocol, study.shares().is_empty()) {
         (Some(protocol), false) => format!("; guessing gives {}", unit(protocol.task.guess())),
         _ => String::new(),
     };
@@ -73,7 +73,7 @@ fn means(study: &TaskStudy, results: &TaskResults) -> Vec<String> {
     let of_condition = |condition: usize| {
         let (at, found) = (study.at(condition), results.means.iter().find(|(of, _)| *of == condition));
         let Some((_, Mean { mean, interval, people })) = found else {
-            return (!results.detection.is_empty() && study.asked.levels.is_none())
+            return (!study.detection().is_empty() && study.asked.levels.is_none())
                 .then(|| format!("There is no d’{at}, because no participant had both targets and catch trials."));
         };
         let (kind, over) = match *people {

@@ -9,7 +9,7 @@ mod tables;
 
 pub use document::document;
 pub use figures::figures;
-pub use results::{Comparisons, Detected, OfPerson, PersonFunction, TaskResults};
+pub use results::{Comparisons, PersonFunction, TaskResults};
 pub(crate) use study::answers;
-pub use study::{Asked, Estimand, Given, Levels, TaskStudy};
+pub use study::{Asked, Detected, Estimand, Given, Levels, OfPerson, TaskStudy};
 pub use tables::tables;

@@ -5,18 +5,16 @@ use std::collections::BTreeMap;
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
 use rayon::prelude::*;
 
-use super::study::{Given, Levels, TaskStudy};
+use super::study::{Levels, OfPerson, TaskStudy};
 use crate::{
     analysis::{
         comparisons::{Drawn, Scale, Scaling, Triads, Wins},
-        detection::{Answers, Detection},
-        settings::Settings,
         tasks::{
             population::{self, Difference, Mean, Population},
             psychometric::{self, Estimate, Fit, GoodnessOfFit, Guess, Model, Point},
         },
     },
-    experiment::task::{Common, Measures},
+    experiment::task::Common,
     statistics::Interval,
 };
 
@@ -36,30 +34,9 @@ pub struct TaskResults {
     /// The conditions whose thresholds lie beyond the levels that could be shown, where only the prior places them: at least
     /// half of the people's, or their mean.
     pub beyond: Vec<usize>,
-    /// The number of correct answers of each person and condition, and of all, if no levels were varied.
-    pub shares: Vec<OfPerson<[u32; 2]>>,
-    /// Hits and false alarms of each person and condition, with sensitivity and criterion.
-    pub detection: Vec<OfPerson<Detected>>,
     /// The scale of comparisons.
     pub comparisons: Option<Comparisons>,
-    /// The settings of each person and condition, on the scale of the dial.
-    pub settings: Vec<OfPerson<Settings>>,
 }
-
-/// What follows from the answers of a person in a condition.
-#[derive(Clone, Debug)]
-pub struct OfPerson<T> {
-    /// Index into [`TaskStudy::people`].
-    pub person: usize,
-    /// Index into the conditions.
-    pub condition: usize,
-    /// What follows.
-    pub found: T,
-}
-
-/// The answers of a person in a condition, and sensitivity and criterion: `None` without targets or catch trials, and over
-/// different levels, where both would describe how the levels were chosen, not any stimulus.
-pub type Detected = (Answers, Option<Detection>);
 
 /// The scale of comparisons.
 #[derive(Clone, Debug)]
@@ -166,18 +143,12 @@ impl TaskResults {
     /// Analyzes a study, except for the intervals and the fit of one person's function, which take the most time. `draws` is
     /// the number of studies from which intervals of a scale come.
     pub fn estimated(study: &TaskStudy, draws: usize, seed: u64) -> Self {
-        let mut results = Self {
-            shares: shares(study),
-            detection: detection(study),
-            comparisons: comparisons(study, draws, seed),
-            settings: settings(study),
-            ..Self::default()
-        };
+        let mut results = Self { comparisons: comparisons(study, draws, seed), ..Self::default() };
         if let Some(Levels { common, model, .. }) = &study.asked.levels {
-            results.functions = functions(points(study, &results.detection, common, model), model);
+            results.functions = functions(points(study, common, model), model);
             results.measure(populations(study, &results.functions, model));
         }
-        results.own = results.of_each();
+        results.own = results.of_each(study);
         let ends = study.asked.estimand().ends;
         let conditions = study.asked.conditions.len();
         results.means =
@@ -202,13 +173,13 @@ impl TaskResults {
     }
 
     /// Returns what is estimated for each person: only one of these kinds is.
-    fn of_each(&self) -> Vec<OfPerson<f64>> {
+    fn of_each(&self, study: &TaskStudy) -> Vec<OfPerson<f64>> {
         let thresholds = self.functions.iter();
         let thresholds = thresholds.filter_map(|own| Some((own.person, own.condition, own.estimated()?.threshold)));
-        let shares = self.shares.iter().map(|own| (own.person, own.condition, proportion(&own.found)));
-        let sensitivities = self.detection.iter();
+        let shares = study.shares().into_iter().map(|own| (own.person, own.condition, proportion(&own.found)));
+        let sensitivities = study.detection().into_iter();
         let sensitivities = sensitivities.filter_map(|own| Some((own.person, own.condition, own.found.1?.d_prime)));
-        let settings = self.settings.iter().map(|own| (own.person, own.condition, own.found.mean));
+        let settings = study.settings().into_iter().map(|own| (own.person, own.condition, own.found.mean));
         let scales = self.comparisons.iter().flat_map(|found| found.own.iter().enumerate());
         let scales = scales.filter_map(|(person, scales)| Some((person, &scales.as_ref()?[0].values)));
         let scales =
@@ -259,31 +230,6 @@ pub(super) fn proportion([right, all]: &[u32; 2]) -> f64 {
     f64::from(*right) / f64::from(*all)
 }
 
-/// Returns what follows from the answers of each person in each condition, in this order of both, if anything does.
-fn of_people<T>(study: &TaskStudy, one: impl Fn(&Given) -> Option<T>) -> Vec<OfPerson<T>> {
-    let own = |(&(condition, person), given)| Some(OfPerson { person, condition, found: one(given)? });
-    study.given.iter().filter_map(own).collect()
-}
-
-fn shares(study: &TaskStudy) -> Vec<OfPerson<[u32; 2]>> {
-    if study.asked.measures != Some(Measures::Proportions) || study.asked.levels.is_some() {
-        return Vec::new();
-    }
-    of_people(study, |given| Some(given.seen()))
-}
-
-fn detection(study: &TaskStudy) -> Vec<OfPerson<Detected>> {
-    if study.asked.measures != Some(Measures::Detection) {
-        return Vec::new();
-    }
-    of_people(study, |given| {
-        let ([hits, targets], [false_alarms, catches]) = (given.seen(), given.catches);
-        let answers =
-            Answers { hits, misses: targets - hits, false_alarms, correct_rejections: catches - false_alarms };
-        Some((answers, answers.detection().filter(|_| study.asked.levels.is_none())))
-    })
-}
-
 fn comparisons(study: &TaskStudy, draws: usize, seed: u64) -> Option<Comparisons> {
     let items = study.asked.conditions.len();
     let mut people = vec![Wins::zeros(items, items); study.people.len()];
@@ -299,21 +245,10 @@ fn comparisons(study: &TaskStudy, draws: usize, seed: u64) -> Option<Comparisons
     Some(Comparisons { people, scales, drawn, own, triads })
 }
 
-fn settings(study: &TaskStudy) -> Vec<OfPerson<Settings>> {
-    let log = study.asked.dial.as_ref().is_some_and(|dial| dial.log);
-    let scaled = |(value, from_above): &(f64, Option<bool>)| (if log { value.log10() } else { *value }, *from_above);
-    of_people(study, |given| Settings::of(&given.values.iter().map(scaled).collect::<Vec<_>>()))
-}
-
 /// Returns the answers at each level of each person and condition. If the guess rate is estimated, catch trials come with
 /// them: those of the condition, whatever the level of the second parameter.
-fn points(
-    study: &TaskStudy,
-    detection: &[OfPerson<Detected>],
-    common: &Common,
-    model: &Model,
-) -> Vec<OfPerson<Vec<Point>>> {
-    let mut all = of_people(study, |given| {
+fn points(study: &TaskStudy, common: &Common, model: &Model) -> Vec<OfPerson<Vec<Point>>> {
+    let mut all = study.each(|given| {
         let mut points = Vec::new();
         for (level, seen, total) in given.targets.iter().filter(|(.., total)| *total > 0) {
             Point::add(&mut points, common.scaled((*level)?), *seen, *total);
@@ -324,10 +259,9 @@ fn points(
     let levels = second.map_or(1, |second| second.levels.len());
     let of = |condition: usize| condition / levels;
     for OfPerson { person, condition, found } in &mut all {
-        let is_own = |own: &&OfPerson<Detected>| own.person == *person && of(own.condition) == of(*condition);
-        for own in detection.iter().filter(|own| is_own(own) && model.guess == Guess::Free) {
-            let Answers { false_alarms, correct_rejections, .. } = own.found.0;
-            Point::add(found, model.unseen(), false_alarms, false_alarms + correct_rejections);
+        let is_own = |own: &(usize, usize)| own.1 == *person && of(own.0) == of(*condition);
+        for (_, given) in study.given.iter().filter(|(own, _)| is_own(own) && model.guess == Guess::Free) {
+            Point::add(found, model.unseen(), given.catches[0], given.catches[1]);
         }
         found.sort_by(|a, b| a.x.total_cmp(&b.x));
     }

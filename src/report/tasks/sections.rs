@@ -1,11 +1,11 @@
 //! Sections about thresholds, detection, comparisons and settings.
 
 use super::{
-    results::{Comparisons, OfPerson, PersonFunction, TaskResults, proportion},
-    study::{TaskStudy, scaled},
+    results::{Comparisons, PersonFunction, TaskResults, proportion},
+    study::{Detected, OfPerson, TaskStudy, scaled},
 };
 use crate::{
-    analysis::{comparisons::Scale, tasks::psychometric::Fit},
+    analysis::{comparisons::Scale, settings::Settings, tasks::psychometric::Fit},
     experiment::task::{Common, Dial},
     report::{
         document::{Section, TableOf, fixed, probability, range, unit, whole},
@@ -57,14 +57,15 @@ pub(super) fn order(study: &TaskStudy, found: &Comparisons) -> Vec<String> {
 
 /// Returns the sections for which there are data.
 pub(super) fn of_results(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> Vec<Section> {
-    let dial = study.asked.dial.as_ref().filter(|_| !results.settings.is_empty());
+    let (own_shares, own_detection, own_settings) = (study.shares(), study.detection(), study.settings());
+    let dial = study.asked.dial.as_ref().filter(|_| !own_settings.is_empty());
     let levels = study.asked.levels.as_ref().filter(|_| !results.functions.is_empty());
     let all = [
         levels.map(|levels| thresholds(study, results, figures, &levels.common)),
-        (!results.shares.is_empty()).then(|| shares(study, results)),
-        (!results.detection.is_empty()).then(|| detection(study, results)),
+        (!own_shares.is_empty()).then(|| shares(study, &own_shares)),
+        (!own_detection.is_empty()).then(|| detection(study, &own_detection)),
         results.comparisons.as_ref().map(|found| comparisons(study, found, figures)),
-        dial.map(|dial| settings(study, results, dial)),
+        dial.map(|dial| settings(study, &own_settings, dial)),
     ];
     all.into_iter().flatten().collect()
 }
@@ -128,9 +129,9 @@ fn begun<'a, T>(study: &TaskStudy, caption: impl Into<String>, rows: &'a [OfPers
         .text("Condition", |own| study.name(own.condition))
 }
 
-fn shares(study: &TaskStudy, results: &TaskResults) -> Section {
+fn shares(study: &TaskStudy, own: &[OfPerson<[u32; 2]>]) -> Section {
     let mut section = Section::new("shares", "Correct answers");
-    begun(study, "Correct answers of each participant", &results.shares)
+    begun(study, "Correct answers of each participant", own)
         .number("Trials", |own| whole(own.found[1].into()))
         .number("Correct", |own| whole(own.found[0].into()))
         .number("Proportion", |own| unit(proportion(&own.found)))
@@ -138,7 +139,7 @@ fn shares(study: &TaskStudy, results: &TaskResults) -> Section {
     section
 }
 
-fn detection(study: &TaskStudy, results: &TaskResults) -> Section {
+fn detection(study: &TaskStudy, own: &[OfPerson<Detected>]) -> Section {
     let mut section = Section::new("detection", "Detection");
     section.text(if study.asked.levels.is_some() {
         "The levels of the targets differ, so there is no d’ and no criterion over all of them: they would describe how the levels were \
@@ -148,7 +149,7 @@ fn detection(study: &TaskStudy, results: &TaskResults) -> Section {
          less readily than by an unbiased observer. Half an answer is added to each count (Hautus 1995), so that proportions of 0 and 1 stay \
          finite; with few trials, this pulls d’ toward 0."
     });
-    begun(study, "Detection by each participant", &results.detection)
+    begun(study, "Detection by each participant", own)
         .number("Hits", |own| whole(own.found.0.hits.into()))
         .number("Misses", |own| whole(own.found.0.misses.into()))
         .number("False alarms", |own| whole(own.found.0.false_alarms.into()))
@@ -182,7 +183,8 @@ fn comparisons(study: &TaskStudy, found: &Comparisons, figures: &[Figure]) -> Se
          determine a scale."
     });
     let span = |own: &Option<[Scale; 2]>| {
-        own.as_ref().and_then(|[own, _]| own.groups.iter().map(|group| own.span(group)).reduce(f64::max))
+        let own = own.as_ref().map(|[own, _]| own).filter(|own| !own.is_limited)?;
+        own.groups.iter().map(|group| own.span(group)).reduce(f64::max)
     };
     let rows: Vec<_> = study.people.iter().zip(&found.triads).zip(&found.own).collect();
     TableOf::new("Contradictions of each participant", &rows)
@@ -193,18 +195,18 @@ fn comparisons(study: &TaskStudy, found: &Comparisons, figures: &[Figure]) -> Se
         .add_to(&mut section);
     section.note(
         "A triad is circular if a is chosen over b, b over c, and c over a. By chance, one in four would be; adaptive pairs leave many triads \
-         undecided.",
+         undecided. A span that only a weak prior limits is left out.",
     );
     section
 }
 
-fn settings(study: &TaskStudy, results: &TaskResults, dial: &Dial) -> Section {
+fn settings(study: &TaskStudy, all: &[OfPerson<Settings>], dial: &Dial) -> Section {
     let is_rating = study.asked.is_slider();
     let (heading, of_each) = if is_rating { ("Ratings", "ratings") } else { ("Settings", "settings") };
     let mut section = Section::new("settings", heading);
-    let has_start = results.settings.iter().any(|own| own.found.direction.is_some());
+    let has_start = all.iter().any(|own| own.found.direction.is_some());
     let plain = |value: Option<f64>| value.map_or_else(|| fixed(None, 0), scaled(false, None));
-    let mut table = begun(study, format!("The {of_each} of each participant"), &results.settings)
+    let mut table = begun(study, format!("The {of_each} of each participant"), all)
         .number(heading, |own| whole(own.found.n as u64))
         .number("Mean", |own| scaled(dial.log, None)(own.found.mean))
         .number("SD", |own| plain(own.found.sd));

@@ -7,7 +7,11 @@ use std::{
 };
 
 use crate::{
-    analysis::tasks::psychometric::Model,
+    analysis::{
+        detection::{Answers, Detection},
+        settings::Settings,
+        tasks::psychometric::Model,
+    },
     experiment::{
         Factor, Phase, Protocol, Replayed,
         task::{Adaptive, Answer, Common, Dial, Measures, Presentation, Second, Task},
@@ -266,6 +270,21 @@ pub struct Given {
     pub values: Vec<(f64, Option<bool>)>,
 }
 
+/// What follows from the answers of a person in a condition.
+#[derive(Clone, Debug)]
+pub struct OfPerson<T> {
+    /// Index into [`TaskStudy::people`].
+    pub person: usize,
+    /// Index into the conditions.
+    pub condition: usize,
+    /// What follows.
+    pub found: T,
+}
+
+/// The answers of a person in a condition, and sensitivity and criterion: `None` without targets or catch trials, and over
+/// different levels, where both would describe how the levels were chosen, not any stimulus.
+pub type Detected = (Answers, Option<Detection>);
+
 impl Given {
     /// Returns in how many trials with a target it was seen or chosen, and their number.
     pub fn seen(&self) -> [u32; 2] {
@@ -375,6 +394,36 @@ impl TaskStudy {
         let simulated: BTreeSet<&String> = rows.iter().filter(|row| row.is_simulated).map(|row| &row.subject).collect();
         let files = vec![(path.to_owned(), rows.len())];
         Self { asked, files, people, simulated: simulated.len(), given, ..Self::default() }
+    }
+
+    /// Returns what follows from the answers of each person in each condition, in this order of both, if anything does.
+    pub fn each<T>(&self, one: impl Fn(&Given) -> Option<T>) -> Vec<OfPerson<T>> {
+        let own = |(&(condition, person), given)| Some(OfPerson { person, condition, found: one(given)? });
+        self.given.iter().filter_map(own).collect()
+    }
+
+    /// Returns the number of correct answers of each person and condition, and of all, if no levels were varied.
+    pub fn shares(&self) -> Vec<OfPerson<[u32; 2]>> {
+        let has_shares = self.asked.measures == Some(Measures::Proportions) && self.asked.levels.is_none();
+        self.each(|given| has_shares.then(|| given.seen()))
+    }
+
+    /// Returns hits and false alarms of each person and condition, with sensitivity and criterion.
+    pub fn detection(&self) -> Vec<OfPerson<Detected>> {
+        self.each(|given| {
+            let ([hits, targets], [false_alarms, catches]) = (given.seen(), given.catches);
+            let (misses, correct_rejections) = (targets - hits, catches - false_alarms);
+            let answers = Answers { hits, misses, false_alarms, correct_rejections };
+            let found = (answers, answers.detection().filter(|_| self.asked.levels.is_none()));
+            (self.asked.measures == Some(Measures::Detection)).then_some(found)
+        })
+    }
+
+    /// Returns the settings of each person and condition, on the scale of the dial.
+    pub fn settings(&self) -> Vec<OfPerson<Settings>> {
+        let log = self.asked.dial.as_ref().is_some_and(|dial| dial.log);
+        let scaled = |(value, upper): &(f64, Option<bool>)| (if log { value.log10() } else { *value }, *upper);
+        self.each(|given| Settings::of(&given.values.iter().map(scaled).collect::<Vec<_>>()))
     }
 
     /// Returns the number of answers.

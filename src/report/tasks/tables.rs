@@ -1,8 +1,8 @@
 //! The results of a task as tables.
 
 use super::{
-    results::{Comparisons, OfPerson, PersonFunction, TaskResults},
-    study::{Levels, TaskStudy},
+    results::{Comparisons, PersonFunction, TaskResults},
+    study::{Levels, OfPerson, TaskStudy},
 };
 use crate::{
     analysis::{
@@ -28,18 +28,12 @@ pub fn tables(study: &TaskStudy, results: &TaskResults) -> Vec<(&'static str, Ta
         all.push(("thresholds", thresholds(study, results, common)));
         all.push(("population", population(study, results, common)));
     }
-    if !results.shares.is_empty() {
-        all.push(("shares", shares(study, results)));
-    }
-    if !results.detection.is_empty() {
-        all.push(("detection", detection(study, results)));
-    }
+    all.extend(shares(study).map(|table| ("shares", table)));
+    all.extend(detection(study).map(|table| ("detection", table)));
     if let Some(found) = &results.comparisons {
         all.extend([("comparisons", comparisons(study, found)), ("scale", scale(study, found))]);
     }
-    if !results.settings.is_empty() {
-        all.push(("settings", settings(study, results)));
-    }
+    all.extend(settings(study).map(|table| ("settings", table)));
     if !results.differences.is_empty() {
         all.push(("differences", differences(study, results)));
     }
@@ -116,22 +110,26 @@ fn population(study: &TaskStudy, results: &TaskResults, common: &Common) -> Tabl
         .table()
 }
 
-fn shares(study: &TaskStudy, results: &TaskResults) -> Table {
-    of_people(study, &results.shares)
+fn shares(study: &TaskStudy) -> Option<Table> {
+    let rows = study.shares();
+    let table = of_people(study, &rows)
         .column("correct", "Number of correct answers.", |own| own.found[0])
         .column("total", "Number of trials.", |own| own.found[1])
-        .table()
+        .table();
+    (!rows.is_empty()).then_some(table)
 }
 
-fn detection(study: &TaskStudy, results: &TaskResults) -> Table {
-    of_people(study, &results.detection)
+fn detection(study: &TaskStudy) -> Option<Table> {
+    let rows = study.detection();
+    let table = of_people(study, &rows)
         .column("hits", "Targets answered yes.", |own| own.found.0.hits)
         .column("misses", "Targets answered no.", |own| own.found.0.misses)
         .column("false_alarms", "Catch trials answered yes.", |own| own.found.0.false_alarms)
         .column("correct_rejections", "Catch trials answered no.", |own| own.found.0.correct_rejections)
         .column("d_prime", "Sensitivity, with the log-linear correction.", |own| Some(own.found.1?.d_prime))
         .column("criterion", "Criterion c.", |own| Some(own.found.1?.criterion))
-        .table()
+        .table();
+    (!rows.is_empty()).then_some(table)
 }
 
 /// Describes a column with the levels of a condition, and returns them.
@@ -205,15 +203,17 @@ fn scale(study: &TaskStudy, found: &Comparisons) -> Table {
         .table()
 }
 
-fn settings(study: &TaskStudy, results: &TaskResults) -> Table {
+fn settings(study: &TaskStudy) -> Option<Table> {
+    let rows = study.settings();
     let log = study.asked.dial.as_ref().is_some_and(|dial| dial.log);
     let direction =
         "Mean of settings that began in the upper half of the range minus that of those that began in the lower half.";
-    of_people(study, &results.settings)
+    let table = of_people(study, &rows)
         .column("n", "Number of settings.", |own| own.found.n)
         .column("mean", "Mean of the settings.", |own| own.found.mean)
         .column("sd", "Standard deviation of the settings.", |own| own.found.sd)
         .column("direction", direction, |own| own.found.direction)
         .in_unit(if log { "log10 of the value" } else { "" }, 3)
-        .table()
+        .table();
+    (!rows.is_empty()).then_some(table)
 }
