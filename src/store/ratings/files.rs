@@ -10,7 +10,6 @@ use std::{
 };
 
 use calamine::{Data, DataRef, Reader as _, SheetVisible, Xlsx};
-use csv::Position;
 use encoding_rs::{Encoding, UTF_8};
 use flate2::read::MultiGzDecoder;
 use zip::ZipArchive;
@@ -282,8 +281,6 @@ pub(in crate::store) struct Header {
     pub separator: u8,
     /// The line of the header.
     pub line: usize,
-    /// Where the header begins, if a line before it names the separator.
-    pub start: Option<Position>,
     /// Line and column of the first text in the header that is not UTF-8.
     pub foreign: Option<(usize, usize)>,
     /// The cells of the first row below the header, if there is one.
@@ -323,9 +320,13 @@ impl Header {
     }
 
     fn parse(&mut self) -> Result<(), &'static str> {
-        let head = &self.text.bytes[..];
-        let text = head.strip_prefix(BYTE_ORDER_MARK).unwrap_or(head);
-        let (named, text) = separator_line(text);
+        let marks = if self.text.bytes.starts_with(BYTE_ORDER_MARK) { BYTE_ORDER_MARK.len() } else { 0 };
+        let named = named_separator(&self.text.bytes[marks..]);
+        if named.is_some() {
+            // The line stays, so that the others keep their numbers.
+            self.text.bytes.drain(..marks + SEPARATOR_LINE);
+        }
+        let text = self.text.bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&self.text.bytes);
         if text.iter().all(u8::is_ascii_whitespace) {
             return Err("the file is empty; expected a header row");
         }
@@ -344,13 +345,8 @@ impl Header {
         let with_cells = |line: &&[u8]| line.iter().any(|byte| b",;\t|".contains(byte));
         let head_line = std::iter::once(line).chain(lines.take(MAX_LABELS)).find(with_cells).unwrap_or_default();
         self.separator = named.unwrap_or_else(|| separator(head_line));
-        self.start = named.map(|_| {
-            let mut start = Position::new();
-            start.set_byte((head.len() - text.len()) as u64).set_line(2);
-            start
-        });
         let (mut rows, mut line, mut foreign) = (Vec::new(), 1, None);
-        rows_from(self.content(), self.separator, self.start.as_ref(), |row| {
+        rows_from(self.content(), self.separator, None, |row| {
             if rows.is_empty() {
                 line = row.place(0).0;
                 foreign = row.text().err().map(|cell| row.place(cell));
@@ -425,15 +421,14 @@ impl Header {
     }
 }
 
-/// Returns the separator that Excel's line `sep=` names, if it is the first, and the text after this line.
-fn separator_line(text: &[u8]) -> (Option<u8>, &[u8]) {
-    match text.split_at_checked(5) {
-        Some(([name @ .., separator], rest)) if name.eq_ignore_ascii_case(b"sep=") && separator.is_ascii() => {
-            let rest_of = |end: &[u8]| rest.strip_prefix(end).map(|rest| (Some(*separator), rest));
-            rest_of(b"\r\n").or_else(|| rest_of(b"\n")).unwrap_or((None, text))
-        }
-        _ => (None, text),
-    }
+/// Number of bytes of Excel's line `sep=;`.
+const SEPARATOR_LINE: usize = 5;
+
+/// Returns the separator that this line names, if it is the first.
+fn named_separator(text: &[u8]) -> Option<u8> {
+    let (line, rest) = text.split_at_checked(SEPARATOR_LINE)?;
+    let is_line = line[..4].eq_ignore_ascii_case(b"sep=") && (rest.starts_with(b"\n") || rest.starts_with(b"\r\n"));
+    Some(line[4]).filter(|separator| is_line && separator.is_ascii())
 }
 
 /// True if a file begins like a compressed file (gzip, bzip2, xz, Zstandard, zip) or a spreadsheet.

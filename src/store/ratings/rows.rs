@@ -109,7 +109,7 @@ impl Rows {
         let mut rows = Self { foreign: header.foreign, ..Self::default() };
         let mut columns: Vec<Interner> = header.names.iter().map(|_| Interner::default()).collect();
         let mut heads = 1 + header.labels;
-        table::rows_from(header.content(), header.separator, header.start.as_ref(), |row| {
+        table::rows_from(header.content(), header.separator, None, |row| {
             let incomplete = if input.layout == Layout::Results { interrupted(row) } else { None };
             if heads > 0 {
                 heads -= 1;
