@@ -166,8 +166,13 @@ impl Preflight {
             if let Some(blocked) = blocked {
                 ui::show_error(ui, blocked);
             }
-            let begin = ui::neutral_primary(ui, "Continue", ready, "Space. These findings are saved with the data.");
-            (begin, ui::keyed(ui, "Back", "Esc"))
+            // In one line, so that a low window shows more of what is to be read.
+            let buttons = ui.horizontal_wrapped(|ui| {
+                let begin =
+                    ui::neutral_primary(ui, "Continue", ready, "Space. These findings are saved with the data.");
+                (begin, ui::keyed(ui, "Back", "Esc"))
+            });
+            buttons.inner
         });
         ui::page_from(ui, TOP, |ui| {
             ui.heading("Before the session");

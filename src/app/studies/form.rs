@@ -96,13 +96,10 @@ impl Checked {
             errors.insert(RESULTS, error);
         }
         let mut resume = false;
-        let free = protocol.as_ref().map(|protocol| free_participant(&results, protocol));
-        if let Some(Err(error)) = &free {
+        if let Some(Err(error)) = protocol.as_ref().map(|protocol| free_participant(&results, protocol)) {
             errors.entry(RESULTS).or_insert_with(|| error.to_string());
         }
-        // Why none could be suggested is said at another field.
-        let is_missing = cell.subject.is_empty() && !matches!(free, Some(Ok(_)));
-        if let Some(error) = Identity::check_subject(&cell.subject).err().filter(|_| !is_missing) {
+        if let Err(error) = Identity::check_subject(&cell.subject) {
             errors.insert(PARTICIPANT, capitalized(&error));
         }
         if let (Some(protocol), Some(identity)) = (&protocol, &identity) {
