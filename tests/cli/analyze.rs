@@ -419,6 +419,7 @@ fn tables_of_other_programs_are_understood_or_refused_with_a_reason() {
     write("blank.csv", &(usual.replace("p1,", ",,,,\n\np1,") + &", ,,,\n".repeat(9)));
     write("nobody.csv", &usual.replace("p1,", ","));
     write("data.json", "[{\"id\": 1, \"y\": 2}]");
+    write("half.csv", &rows(&|i| if i == 7 { "1.5".to_owned() } else { (i * i / 3 % 4).to_string() }));
     let labels = "y\nID,A,Count,Trial,Rating\n\"{\"\"ImportId\"\":\"\"id\"\"}\",a,count,trial,y\n";
     write("q.csv", &usual.replacen("y\n", labels, 1));
     write("bars.csv", &usual.replace(',', "|"));
@@ -456,6 +457,7 @@ fn tables_of_other_programs_are_understood_or_refused_with_a_reason() {
         ),
         ("nobody.csv", &["--terms", "count"], 1, "12 of 96 rows have no participant"),
         ("data.json", &["--terms", "a"], 1, "is JSON; expected CSV"),
+        ("half.csv", &["--terms", "count"], 2, "y: 1.5 (1 rating) is far from the other values, or not a whole number"),
         ("q.csv", &["--terms", "count"], 0, ""),
         ("bars.csv", &["--terms", "count"], 0, ""),
         ("carets.csv", &["--terms", "count"], 1, "the first line has one cell, \"id^a:b^count^trial^y\"; expected the"),

@@ -6,7 +6,7 @@ use std::{
     collections::{BTreeSet, HashMap},
 };
 
-use crate::{analysis::levels, statistics::median, text::names::expected_one_of};
+use crate::{analysis::levels, text::names::expected_one_of};
 
 /// A factor of the design and its levels.
 #[derive(Clone, Debug, PartialEq)]
@@ -197,12 +197,14 @@ impl Counts {
 
     /// Returns the categories that look like mistakes or like codes for a missing answer, with their numbers of ratings.
     ///
-    /// They are infinite; further from all others, of which there are at least three, than twice their range; or codes:
-    /// numbers of digits from 7 to 9 only, at least 9 or negative, that are isolated from the other categories, of which
-    /// there are at least two. A positive code is further above them than they are from each other, and 9 is one only if
-    /// their neighbors are 1 apart (0, 1, 3, 9 is a scale). A negative one is further below them than any two neighbors are
-    /// apart, and no other number is negative. −1 is also a code if the others are from 0 or more to at least 2. A full
-    /// scale, such as 1…7, 0…100 or −9…9, has no such number.
+    /// Mistakes are categories with less than 2 % of the ratings that are further from all others than any two usual
+    /// ones from each other at least are, also as a chain; a single rating that is further from at least three
+    /// others than twice their range; or one rating, or at most one in 50, between at least three whole numbers. Codes are infinite, or numbers of digits from 7 to 9 only, at least 9 or
+    /// negative, that are isolated from the other categories, of which there are at least two. A positive code is
+    /// further above them than they are from each other, and 9 is one only if their neighbors are 1 apart (0, 1, 3, 9
+    /// is a scale). A negative one is further below them than any two neighbors are apart, and no other number is
+    /// negative. −1 is also a code if the others are from 0 or more to at least 2. A full scale, such as 1…7, 0…100 or
+    /// −9…9, has no such number.
     pub fn codes(&self) -> Vec<(&str, u64)> {
         let Some(numbers) = levels::numbers_of(&self.categories) else { return Vec::new() };
         let is_code = |number: f64| {
@@ -222,18 +224,32 @@ impl Counts {
             -1.0 => least >= 0.0 && most >= 2.0 && numbers.iter().all(|other| *other >= -1.0),
             number => least >= 0.0 && least - number > widest,
         };
-        let is_far = |number: f64| {
-            let rest =
-                |end: fn(f64, f64) -> f64| others.iter().copied().filter(|own| *own != number).fold(f64::NAN, end);
-            let (low, high) = (rest(f64::min), rest(f64::max));
-            others.len() > 3 && (low - number).max(number - high) > 2.0 * (high - low)
-        };
+        let codes = numbers.iter().enumerate().filter(|(_, number)| is_code(**number) && is_isolated(**number));
         let ratings = |code: usize| -> u64 {
             self.rows.iter().filter(|row| usize::from(row.rating) == code).map(|row| row.count).sum()
         };
-        let is_found = |number: f64| others.len() > 1 && is_code(number) && is_isolated(number) || is_far(number);
-        let found = (0..numbers.len()).filter(|code| is_found(numbers[*code]));
-        found.map(|code| (self.categories[code].as_str(), ratings(code))).filter(|(_, n)| *n > 0).collect()
+        let mut found: Vec<usize> = codes.filter(|_| others.len() > 1).map(|(code, _)| code).collect();
+        let n: Vec<u64> = (0..numbers.len()).map(ratings).collect();
+        let used: Vec<usize> = (0..numbers.len()).filter(|code| n[*code] > 0 && !found.contains(code)).collect();
+        let total: u64 = n.iter().sum();
+        let is_common = |code: &usize| 50 * n[*code] >= total;
+        let common: Vec<f64> = used.iter().filter(|code| is_common(code)).map(|code| numbers[*code]).collect();
+        let step = common.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+        for chain in used.chunk_by(|a, b| numbers[*b] - numbers[*a] <= step + 1e-9).filter(|_| common.len() > 1) {
+            found.extend(chain.iter().filter(|_| !chain.iter().any(is_common)));
+        }
+        if let [first, second, .., before, last] = used[..] {
+            for (code, near, end) in [(first, second, last), (last, before, first)] {
+                let (gap, width) = (numbers[code] - numbers[near], numbers[near] - numbers[end]);
+                found.extend((n[code] == 1 && gap.abs() > 2.0 * width.abs()).then_some(code));
+            }
+        }
+        let (whole, between): (Vec<usize>, Vec<usize>) = used.iter().partition(|code| numbers[**code].fract() == 0.0);
+        let are_few = 50 * between.iter().map(|code| n[*code]).sum::<u64>() <= total.max(50);
+        found.extend(between.into_iter().filter(|_| are_few && whole.len() > 2));
+        found.sort_unstable();
+        found.dedup();
+        found.into_iter().map(|code| (self.categories[code].as_str(), n[code])).filter(|(_, n)| *n > 0).collect()
     }
 }
 
@@ -399,6 +415,12 @@ impl Kept {
     fn of<T: Clone>(&self, all: &[T]) -> Vec<T> {
         self.0.iter().map(|&index| all[index as usize].clone()).collect()
     }
+}
+
+/// Returns the smallest response time that at least half of the times do not exceed, or `None` if there are no times.
+fn median(mut times: Vec<f64>) -> Option<f64> {
+    times.sort_unstable_by(f64::total_cmp);
+    times.get(times.len().div_ceil(2).checked_sub(1)?).copied()
 }
 
 // The largest study that is analyzed unless the user asks for more. Tests of all pairs of levels take quadratic time,

@@ -49,7 +49,7 @@ pub enum StudyError {
     },
     /// Some numbers look like codes for a missing answer, or like mistakes. Averaged with ratings, they would distort every
     /// result.
-    #[error("{response}: {} far from the other values, as a code for a missing answer or a mistake would be; expected that it is corrected or named as missing, or the names of all categories, lowest first", told(.codes))]
+    #[error("{response}: {} far from the other values, or not a whole number as they are, as a code for a missing answer or a mistake would be; expected that it is corrected or named as missing, or the names of all categories, lowest first", told(.codes))]
     Codes {
         /// Name of the column.
         response: String,
