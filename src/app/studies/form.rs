@@ -96,10 +96,13 @@ impl Checked {
             errors.insert(RESULTS, error);
         }
         let mut resume = false;
-        if let Some(Err(error)) = protocol.as_ref().map(|protocol| free_participant(&results, protocol)) {
+        let free = protocol.as_ref().map(|protocol| free_participant(&results, protocol));
+        if let Some(Err(error)) = &free {
             errors.entry(RESULTS).or_insert_with(|| error.to_string());
         }
-        if let Err(error) = Identity::check_subject(&cell.subject) {
+        // Why none could be suggested is said at another field.
+        let is_missing = cell.subject.is_empty() && !matches!(free, Some(Ok(_)));
+        if let Some(error) = Identity::check_subject(&cell.subject).err().filter(|_| !is_missing) {
             errors.insert(PARTICIPANT, capitalized(&error));
         }
         if let (Some(protocol), Some(identity)) = (&protocol, &identity) {

@@ -28,6 +28,8 @@ pub struct StudyList {
     /// The files that have a row, before the built-in definitions.
     files: Vec<String>,
     rows: Vec<Row>,
+    /// The study that was chosen when the list was last drawn.
+    shown: String,
     /// The fonts for the titles.
     fonts: TextFonts,
 }
@@ -81,7 +83,12 @@ impl StudyList {
                     });
                 }
                 let row = &mut self.rows[index];
-                if row.show(ui, row.experiment == chosen, &about).clicked() {
+                let response = row.show(ui, row.experiment == chosen, &about);
+                if row.experiment == chosen && self.shown != chosen {
+                    chosen.clone_into(&mut self.shown);
+                    response.scroll_to_me(None);
+                }
+                if response.clicked() {
                     clicked = Some(row.experiment.clone());
                 }
             }

@@ -30,6 +30,7 @@ use crate::{
         definition::{self, BUILT_IN},
         settings::{Settings, remember},
     },
+    work::RequestError,
 };
 
 /// Width of the list of studies, and of the column of cards, points: in a wide window, and in a narrower one.
@@ -303,14 +304,13 @@ impl Studies {
         warnings.into_iter().for_each(|warning| ui::complain(ctx, warning));
         match made {
             Err(error) => {
-                let told = error.to_string();
-                match (asked, error.downcast(), &self.open) {
-                    // The dialog opens again with what was entered.
-                    (Some(mut form), Ok(error), None) => {
-                        form.refuse(error);
-                        self.open = Some(Open::Request(form));
-                    }
-                    _ => ui::complain(ctx, told),
+                let (told, request) = (error.to_string(), error.downcast::<RequestError>().ok());
+                let mut asked = asked.filter(|_| self.open.is_none());
+                // The dialog opens again with what was entered.
+                if asked.as_mut().zip(request).is_some_and(|(form, request)| form.refuse(request)) {
+                    self.open = asked.map(Open::Request);
+                } else {
+                    ui::complain(ctx, told);
                 }
             }
             Ok(Made::Checked(found)) => {

@@ -72,9 +72,8 @@ impl RequestForm {
     /// Draws the dialog; starts what is requested once it is confirmed and possible.
     pub fn show(&mut self, ctx: &Context) -> Step<Job> {
         let Self { title, action, about, fields, error, is_new, .. } = self;
-        let names = fields.iter().map(|field| field.argument.get_id().as_str());
-        let is_of_none = |error: &&RequestError| !names.clone().any(|name| error.field.as_deref() == Some(name));
-        let of_none = error.as_ref().filter(is_of_none).map(ToString::to_string).unwrap_or_default();
+        let of_none = error.as_ref().filter(|error| error.field.is_none());
+        let of_none = of_none.map(ToString::to_string).unwrap_or_default();
         let dialog =
             Dialog { title, about, width: WIDTH, error: &of_none, hint: "", action, close: "Cancel", is_ready: true };
         let (step, ()) = dialog.show(ctx, |ui| {
@@ -93,15 +92,18 @@ impl RequestForm {
         match self.start(ctx) {
             Ok(job) => Step::Next(job),
             Err(error) => {
-                self.refuse(error);
+                (self.error, self.is_new) = (Some(error), true);
                 Step::Stay
             }
         }
     }
 
-    /// Shows an error, which may have been found after the dialog had closed.
-    pub fn refuse(&mut self, error: RequestError) {
+    /// Shows an error that was found after the dialog had closed; returns true if it is that of a field.
+    pub fn refuse(&mut self, error: RequestError) -> bool {
+        let is_of = |field: &Shown| error.field.as_deref() == Some(field.argument.get_id().as_str());
+        let is_shown = self.fields.iter().any(is_of);
         (self.error, self.is_new) = (Some(error), true);
+        is_shown
     }
 
     fn start(&self, ctx: &Context) -> Result<Job, RequestError> {
