@@ -80,7 +80,7 @@ impl Studies {
         let hint = match (&checked.request, checked.resume) {
             (None, _) => "Something above needs attention.",
             (Some(_), true) => "Enter resumes this session with its remaining trials.",
-            (Some(_), false) => "Enter starts. Close keeps what is said about the screen, and the folder.",
+            (Some(_), false) => "Enter starts. In the session, Esc pauses; every answer is saved immediately.",
         };
         let error = self.error.clone().unwrap_or_default();
         let dialog = Dialog {

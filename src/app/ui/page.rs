@@ -8,7 +8,7 @@ use eframe::egui::{
 };
 
 use super::{
-    text::{hint, secondary, two_lines},
+    text::{errors, hint, secondary},
     theme::{BIG_CONTROL, COLUMN, CONTROL, GAP, Icon, LARGE_GAP, MARGIN, compact, focus_ring, ink, ink_of},
 };
 
@@ -117,7 +117,7 @@ pub fn tool_page(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) -> bool {
 }
 
 /// Height of a dialog's title and buttons, points.
-const BUTTONS: f32 = 184.0;
+const BUTTONS: f32 = 168.0;
 /// In a page narrower than this, in points, the view is above the controls, in one column.
 const ONE_COLUMN: f32 = 760.0;
 
@@ -345,9 +345,7 @@ impl Dialog<'_> {
             let fields = ScrollArea::vertical().max_height(height - BUTTONS).auto_shrink([false, true]);
             let added = fields.show(ui, add).inner;
             ui.separator();
-            // An error must not move the buttons.
-            let bad = ink(ui).bad;
-            two_lines(ui, self.error, bad, 2);
+            errors(ui, self.error);
             let step = ui.horizontal_wrapped(|ui| {
                 let confirmed = primary(ui, self.action, self.is_ready, "") || confirmed;
                 let cancelled = ui.button(self.close).clicked();
