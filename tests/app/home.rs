@@ -6,7 +6,7 @@ use eframe::egui::{self, Key, Shape};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use machband::{
     app::{App, Launch, Request},
-    experiment::{Course, Identity, Phase, Protocol, Replay, TrialRecord, columns},
+    experiment::{Course, Identity, Protocol, Replay, TrialRecord, columns},
     store::{definition, sidecar::Sidecar},
 };
 
@@ -85,7 +85,7 @@ fn a_whole_session_with_a_break_a_pause_and_an_undone_rating() {
     wait_for(&mut harness, "Paused");
     wait_for(&mut harness, "2 of 5 done");
     click(&mut harness, "Read the instructions again");
-    for (page, key) in [("Welcome", Key::Space), ("The answers", Key::Backspace), ("Welcome", Key::Escape)] {
+    for (page, key) in [("Page 1 of 2", Key::Space), ("Page 2 of 2", Key::Backspace), ("Page 1 of 2", Key::Escape)] {
         wait_for(&mut harness, page);
         press(&mut harness, key);
     }
@@ -99,8 +99,6 @@ fn a_whole_session_with_a_break_a_pause_and_an_undone_rating() {
         press(&mut harness, Key::Num1);
     }
     wait_for(&mut harness, "Thank you!");
-    // Participants see their own means only if the definition says so.
-    assert!(harness.query_by_label_contains("Your mean rating").is_none());
     // What only the experimenter needs is in a closed section.
     assert!(harness.query_by_label("Open the folder").is_none());
     click(&mut harness, "For the experimenter");
@@ -253,6 +251,18 @@ fn the_participant_is_asked_once() {
 const ASKING: &str = "schema = 1\nname = \"panes\"\n[stimulus]\nkind = \"mach-band\"\n[participant]\nage = {}\n\
      sex = { choice_labels = [\"w\", \"m\", \"d\"], required = false }\nhours = { label = \"How many hours a week do you usually look at a screen that is as near as this one?\", number = true, required = false }\nconsent = { text = \"I take part.\" }\n";
 
+/// A session whose texts this computer has no font for does not begin.
+#[test]
+fn characters_without_a_font_are_reported_before_the_session() {
+    let folder = tempfile::tempdir().unwrap();
+    // The last character of the last private area.
+    let protocol = protocol(0.2, 10.0).with(|definition| definition.instructions.welcome.push('\u{10fffd}')).unwrap();
+    let mut harness = harness(request(folder.path(), protocol));
+    walk(&mut harness, &["No font on this computer has these characters of the participant's texts: U+10FFFD."]);
+    harness.run_steps(5);
+    assert!(!folder.path().join("panes").exists());
+}
+
 /// Every character beyond ASCII in the sources, but for comments, has a glyph in the window's fonts.
 #[test]
 fn texts_have_glyphs() {
@@ -317,24 +327,20 @@ fn japanese_texts_fit_into_a_narrow_window() {
     fits(&mut harness, &texts.paused);
 }
 
-/// A session whose stimulus does not fit, or whose texts this computer has no font for, does not begin.
 #[test]
-fn what_prevents_a_session_is_reported_and_creates_no_file() {
-    // The last character of the last private area.
-    let foreign = protocol(0.2, 10.0).with(|definition| definition.instructions.welcome.push('\u{10fffd}')).unwrap();
-    let characters = "No font on this computer has these characters of the participant's texts: U+10FFFD.";
-    for (protocol, reason) in [(protocol(0.2, 40.0), "Sit closer"), (foreign, characters)] {
-        let folder = tempfile::tempdir().unwrap();
-        let mut harness = harness(request(folder.path(), protocol));
-        for _ in 0..2 {
-            wait_for(&mut harness, reason);
-            // Also beside the button that it blocks, whatever the height of the window.
-            assert_eq!(harness.query_all_by_label_contains(reason).count(), 2);
-            press(&mut harness, Key::Space);
-            harness.run_steps(10);
-        }
-        assert!(!folder.path().join("panes").exists());
-    }
+fn a_stimulus_that_does_not_fit_is_reported_and_creates_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = harness(request(folder.path(), protocol(0.2, 40.0)));
+    // Also beside the button that it blocks, whatever the height of the window.
+    let reasons = |harness: &mut Window| {
+        wait_for(harness, "Sit closer");
+        harness.query_all_by_label_contains("Sit closer").count()
+    };
+    assert_eq!(reasons(&mut harness), 2);
+    press(&mut harness, Key::Space);
+    harness.run_steps(10);
+    assert_eq!(reasons(&mut harness), 2);
+    assert!(!folder.path().join("panes").exists());
 }
 
 /// A session that is resumed after the time in its definition shows the practice again; its answers are new attempts.
@@ -360,12 +366,34 @@ fn a_late_resumption_repeats_the_practice() {
     second.run_steps(35);
     press(&mut second, Key::Num3);
     walk(&mut second, &["Now the main part"]);
-    second.run_steps(35);
-    press(&mut second, Key::Num0);
+    for key in [Key::Num0, Key::Num1, Key::Num2] {
+        second.run_steps(35);
+        if second.query_by_label_contains("Time for a break").is_some() {
+            press(&mut second, Key::Space);
+            second.run_steps(35);
+        }
+        press(&mut second, key);
+    }
+    wait_for(&mut second, "Thank you!");
+    // Participants see their own means only if the definition says so.
+    assert!(second.query_by_label_contains("Your mean rating").is_none());
     let rows = rows(folder.path(), &protocol);
-    let seen: Vec<_> = rows.iter().map(|row| (row.sitting, row.phase, row.trial, row.attempt)).collect();
-    let (practice, main) = (Phase::Practice, Phase::Main);
-    assert_eq!(seen, [(1, practice, 1, 1), (1, main, 1, 1), (2, practice, 1, 2), (2, main, 2, 1)]);
+    let seen: Vec<_> = rows
+        .iter()
+        .map(|row| (row.sitting, row.phase.to_string(), row.trial, row.attempt, row.rating.unwrap().0))
+        .collect();
+    let [practice, main] = ["practice", "main"].map(str::to_owned);
+    let expected = [
+        (1, practice.clone(), 1, 1, 1),
+        (1, main.clone(), 1, 1, 2),
+        (2, practice, 1, 2, 3),
+        (2, main.clone(), 2, 1, 0),
+        (2, main.clone(), 3, 1, 1),
+        (2, main, 4, 1, 2),
+    ];
+    assert_eq!(seen, expected);
+    let told = common::succeeds(folder.path(), &["verify", "."]);
+    assert!(told.contains("5 of 5 trials answered"), "{told}");
 }
 
 /// Two windows on one results folder do not begin the same session.
@@ -413,11 +441,22 @@ fn home_shows_errors_next_to_their_fields() {
     type_into(&mut harness, "Display profile", "/nowhere.toml");
     harness.get_by_label_contains("cannot be opened");
     type_into(&mut harness, "Display profile", "");
+    // A complete session, and the same one without its last row.
     let folder = tempfile::tempdir().unwrap();
     common::succeeds(folder.path(), &["simulate", "quick"]);
+    let results = folder.path().join("results");
     type_into(&mut harness, "Participant", "S001");
-    type_into(&mut harness, "Results folder", folder.path().join("results").to_str().unwrap());
+    type_into(&mut harness, "Results folder", results.to_str().unwrap());
     harness.get_by_label_contains("has already completed session 1");
+    let csv = common::session_csv(&results, "quick", "S001");
+    let text = std::fs::read_to_string(&csv).unwrap();
+    let mut lines: Vec<&str> = text.lines().collect();
+    lines.pop();
+    std::fs::write(&csv, lines.join("\n") + "\n").unwrap();
+    type_into(&mut harness, "Session", "2");
+    type_into(&mut harness, "Session", "1");
+    harness.get_by_label_contains("was changed since the session ended");
+    harness.get_by_label_contains("Something above needs attention");
 }
 
 #[test]

@@ -69,15 +69,6 @@ fn a_grid_shows_what_is_planned_recorded_and_wrong() {
     let told = common::fails(folder.path(), &["check", csv.to_str().unwrap()], 1);
     assert!(told.contains("has the rating 5; expected 0 to 4"), "{told}");
     fs::write(&csv, &text).unwrap();
-    // What cannot be read is named, and the rest is shown.
-    let sidecar = common::session_csv(&folder.path().join("results"), "five", "S002").with_extension("json");
-    let readable = fs::read_to_string(&sidecar).unwrap();
-    for (text, state) in [("{", "cannot be read"), (&*readable, "finished, 6 trials")] {
-        fs::write(&sidecar, text).unwrap();
-        window.event(Event::WindowFocused(true));
-        wait_for(&mut window, &format!("S002, session 1: {state}"));
-        assert_eq!(texts(&window).iter().any(|text| text.contains("S002") && text.contains("json:1:")), text == "{");
-    }
     click(&mut window, "Analyze this study");
     wait_for(&mut window, "12 ratings by 2 participants.");
     wait_for(&mut window, "(none) to 4 (very strong)");
@@ -111,9 +102,9 @@ fn studies_with_one_long_title_are_told_apart() {
     }
 }
 
-/// The arrow keys move in the grid, and Enter begins or resumes the chosen session.
+/// Nothing is lost by leaving a session before its first rating, and its files can then be removed.
 #[test]
-fn the_keys_choose_a_session() {
+fn a_session_without_ratings_can_be_removed() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = opened(folder.path(), DEFINITION);
     let results = folder.path().join("results");
@@ -125,7 +116,7 @@ fn the_keys_choose_a_session() {
     // Every category is listed with its key.
     session.get_by_label("very strong");
     drop(session);
-    window.event(Event::WindowFocused(true));
+    window.event(eframe::egui::Event::WindowFocused(true));
     wait_for(&mut window, "P001, session 1: unfinished, 0 of 6 trials");
     click(&mut window, "P001, session 1: unfinished, 0 of 6 trials");
     let legend = |window: &Window| window.get_by_label("unfinished").rect();
@@ -144,6 +135,18 @@ fn the_keys_choose_a_session() {
     press(&mut window, Key::Enter);
     wait_for(&mut window, "Before the session");
     wait_for(&mut window, "participant P001 · session 1");
+    press(&mut window, Key::Escape);
+    wait_for(&mut window, "P001, session 1: unfinished, 0 of 6 trials");
+    click(&mut window, "P001, session 1: unfinished, 0 of 6 trials");
+    let csv = common::session_csv(&results, "five", "P001");
+    assert!(csv.exists());
+    click(&mut window, "Remove…");
+    click(&mut window, "Keep");
+    assert!(csv.exists());
+    click(&mut window, "Remove…");
+    click(&mut window, "Remove");
+    wait_for(&mut window, "P001, session 1: next");
+    assert_eq!(fs::read_dir(csv.parent().unwrap()).unwrap().count(), 0);
 }
 
 /// While there are sessions, only what no session depends on may change.
@@ -244,4 +247,25 @@ fn a_pilot_is_simulated_in_a_folder_of_its_own() {
     wait_for(&mut window, "18 ratings by 3 participants.");
     wait_for(&mut window, "These data are simulated");
     assert!(folder.path().join("five-pilot-1/five/data").is_dir() && !folder.path().join("results").exists());
+}
+
+/// What could not be read in the results folder is named, a line each, and the rest is shown.
+#[test]
+fn what_could_not_be_read_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    drop(opened(folder.path(), DEFINITION));
+    let simulate = || common::succeeds(folder.path(), &["simulate", "five.toml", "--participants", "2"]);
+    let results = folder.path().join("results");
+    simulate();
+    fs::rename(results.join("five"), results.join(".five")).unwrap();
+    simulate();
+    fs::write(common::session_csv(&results, "five", "S002").with_extension("json"), "{").unwrap();
+    let mut window = opened(folder.path(), DEFINITION);
+    wait_for(&mut window, "S001, session 1: finished, 6 trials");
+    let told = texts(&window);
+    for (file, why) in [(".five", "is a hidden data set and was not read"), ("S002", "json:1:")] {
+        let found = told.iter().find(|text| text.contains(file) && text.contains(why));
+        assert!(found.is_some_and(|text| !text.contains('\n')), "{file}: {told:#?}");
+    }
+    assert!(told.iter().any(|text| text == "S002, session 1: cannot be read"), "{told:#?}");
 }

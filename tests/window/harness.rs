@@ -84,13 +84,6 @@ pub fn assert_complete(csv: &Path, planned: &[Row]) {
     assert!(checked(csv).contains(&format!("{0} of {0} planned trials", planned.len())));
 }
 
-/// The color of a pixel, at a distance from the center of the screen.
-pub fn pixel(screen: &[u8], [x, y]: [i64; 2]) -> [u8; 3] {
-    let (x, y) = (i64::from(SCREEN.0) / 2 + x, i64::from(SCREEN.1) / 2 + y);
-    let at = 4 * (y * i64::from(SCREEN.0) + x) as usize;
-    [screen[at + 2], screen[at + 1], screen[at]]
-}
-
 /// What the participant sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shown {
@@ -360,15 +353,19 @@ impl Harness {
     // -- the screen
 
     /// Waits until a condition holds; `what` describes it for the error message.
-    pub fn until(&mut self, what: &str, mut is_so: impl FnMut(&mut Self) -> bool) {
+    pub fn until(&mut self, what: &str, is_so: impl FnMut(&mut Self) -> bool) {
+        self.until_for(PATIENCE, what, is_so);
+    }
+
+    pub fn until_for(&mut self, patience: Duration, what: &str, mut is_so: impl FnMut(&mut Self) -> bool) {
         let start = Instant::now();
         while !is_so(self) {
             if let Some(status) = self.ended() {
                 panic!("the program ended ({status}) while waiting for {what}: {}", self.stderr());
             }
             assert!(
-                start.elapsed() < PATIENCE,
-                "waited {PATIENCE:?} for {what}; the screen shows {:?}, the keys go to {:?}; stderr: {}",
+                start.elapsed() < patience,
+                "waited {patience:?} for {what}; the screen shows {:?}, the keys go to {:?}; stderr: {}",
                 self.shown(),
                 self.ask(&["getwindowfocus", "getwindowname"]),
                 self.stderr()
@@ -437,7 +434,7 @@ impl Harness {
     }
 
     /// The image that `machband stimulus` writes with these settings.
-    fn image<'a>(&self, size: u32, settings: impl IntoIterator<Item = (&'a str, &'a str)>) -> CodeImage {
+    pub fn image<'a>(&self, size: u32, settings: impl IntoIterator<Item = (&'a str, &'a str)>) -> CodeImage {
         let mut arguments = ["stimulus", "--force", "--out=stimulus.png"].map(str::to_owned).to_vec();
         arguments.push(format!("--size={size}"));
         let settings = settings.into_iter();
@@ -447,15 +444,20 @@ impl Harness {
         image::read_picture(&self.dir.path().join("stimulus.png"), None, image::MAX_PIXELS).unwrap().codes
     }
 
-    /// Counts the pixels of a stimulus of `size` pixels, this far right of the center, that differ from the picture that
-    /// `machband stimulus` writes.
-    pub fn differing(&self, screen: &[u8], settings: &[(&str, &str)], center: i64, size: u32) -> usize {
-        let expected = self.image(size, settings.iter().copied());
-        let half = i64::from(size) / 2;
-        let [left, top] = [center - half, (i64::from(SCREEN.1) - i64::from(size)) / 2 - i64::from(SCREEN.1) / 2];
-        let shown = |x: u32, y: u32| pixel(screen, [left + i64::from(x), top + i64::from(y)]);
-        let wrong = |x: u32, y: u32| shown(x, y) != expected.pixel(x, y).map(|code| code as u8);
-        (0..size).flat_map(|y| (0..size).map(move |x| (x, y))).filter(|(x, y)| wrong(*x, *y)).count()
+    /// Checks that the screen shows, byte for byte, the image that `machband stimulus` writes, on a uniform field.
+    pub fn compare_with_image(&self, row: &Row, size: u32) {
+        let names = ["width", "depth", "orientation_deg", "low", "high", "color"];
+        let expected = self.image(size, names.map(|name| (name, &*row[name])));
+        let (width, height) = (u32::from(SCREEN.0), u32::from(SCREEN.1));
+        let (x0, y0) = ((width - size) / 2, (height - size) / 2);
+        let screen = self.screen();
+        let wrong = screen.chunks_exact(4).zip(0..).filter(|(bgrx, i)| {
+            let (x, y) = ((i % width).wrapping_sub(x0), (i / width).wrapping_sub(y0));
+            let inside = x < size && y < size;
+            let expected = if inside { expected.pixel(x, y).map(|code| code as u8) } else { FIELD };
+            [bgrx[2], bgrx[1], bgrx[0]] != expected
+        });
+        assert_eq!(wrong.count(), 0, "pixels that differ from the image or the field, {row:?}");
     }
 
     fn connect(&self) -> (RustConnection, u32) {

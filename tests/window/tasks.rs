@@ -8,10 +8,17 @@ use std::{
 
 use crate::{
     common,
-    harness::{Harness, Row, Shown, pixel, rows},
+    harness::{Harness, Row, SCREEN, Shown, rows},
 };
 
 const HEAD: &str = "schema = 1\nname = \"NAME\"\n[stimulus]\nkind = \"mach-band\"\n[viewing]\nwindow_deg = 4.0\n[recovery]\nduration_s = 0.3\n";
+
+/// The color of a pixel, at a distance from the center of the screen.
+fn pixel(screen: &[u8], [x, y]: [i64; 2]) -> [u8; 3] {
+    let (x, y) = (i64::from(SCREEN.0) / 2 + x, i64::from(SCREEN.1) / 2 + y);
+    let at = 4 * (y * i64::from(SCREEN.0) + x) as usize;
+    [screen[at + 2], screen[at + 1], screen[at]]
+}
 
 /// Whether the field of a trial is on the screen.
 fn is_trial(screen: &[u8]) -> bool {
@@ -34,6 +41,17 @@ fn wait_for(harness: &mut Harness, at: [i64; 2], is_drawn: bool) -> Vec<u8> {
     // The whole stimulus may not have been copied yet.
     std::thread::sleep(Duration::from_millis(60));
     harness.screen()
+}
+
+/// Counts the pixels of a stimulus of `size` pixels that differ from the picture that `machband stimulus` writes.
+fn differing(harness: &Harness, screen: &[u8], settings: &[(&str, &str)], center: i64, size: u32) -> usize {
+    let expected = harness.image(size, settings.iter().copied());
+    // From the center of the screen.
+    let half = i64::from(size) / 2;
+    let [left, top] = [center - half, (i64::from(SCREEN.1) - i64::from(size)) / 2 - i64::from(SCREEN.1) / 2];
+    let shown = |x: u32, y: u32| pixel(screen, [left + i64::from(x), top + i64::from(y)]);
+    let wrong = |x: u32, y: u32| shown(x, y) != expected.pixel(x, y).map(|code| code as u8);
+    (0..size).flat_map(|y| (0..size).map(move |x| (x, y))).filter(|(x, y)| wrong(*x, *y)).count()
 }
 
 /// Starts a session of a definition.
@@ -90,7 +108,7 @@ fn two_intervals_show_the_target_and_the_reference() {
         for (place, screen) in [("1", first), ("2", second)] {
             let depth = if row["target"] == place { "1" } else { "inf" };
             assert_eq!(
-                harness.differing(&screen, &[("width", &row["level"]), ("depth", depth)], 0, side),
+                differing(&harness, &screen, &[("width", &row["level"]), ("depth", depth)], 0, side),
                 0,
                 "{row:?}"
             );
@@ -123,7 +141,7 @@ fn pairs_are_shown_side_by_side() {
         for (depth, center) in [(&row["depth"], -pitch / 2), (&row["depth_2"], pitch / 2)] {
             // The places of an odd pitch are not on whole pixels around the center, and are rounded down.
             let best =
-                (-1..=1).map(|shift| harness.differing(&screen, &[("depth", depth)], center + shift, side)).min();
+                (-1..=1).map(|shift| differing(&harness, &screen, &[("depth", depth)], center + shift, side)).min();
             assert_eq!(best, Some(0), "{row:?}");
         }
         assert_eq!(row["response"], ["1", "2"][i % 2]);
@@ -150,7 +168,7 @@ fn a_value_is_set_by_keys_and_a_yes_is_said() {
         assert!((value - (start + 0.045)).abs() < 1e-5 || value == 0.9 - 0.005, "{row:?}");
         assert_eq!(row["path"].split(' ').count(), 2, "{row:?}");
         let side = size(&harness, "adjust");
-        assert_eq!(harness.differing(&screen, &[("width", &row["response"])], 0, side), 0, "{row:?}");
+        assert_eq!(differing(&harness, &screen, &[("width", &row["response"])], 0, side), 0, "{row:?}");
     }
     complete(&mut harness, "adjust", &csv);
     let csv = start(
@@ -208,7 +226,7 @@ fn pictures_reach_the_screen_with_their_codes() {
         });
         let row = answer(&mut harness, &csv, &["2"]);
         let width = if row["picture"] == "pictures/a.png" { "0.2" } else { "0.7" };
-        assert_eq!(harness.differing(&screen, &[("width", width)], 0, 150), 0, "{row:?}");
+        assert_eq!(differing(&harness, &screen, &[("width", width)], 0, 150), 0, "{row:?}");
     }
     harness.complete("own");
 }
