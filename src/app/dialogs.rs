@@ -31,6 +31,7 @@ fn keys_of(place: Place) -> &'static [(&'static str, &'static str)] {
         Place::Studies => &[
             ("Arrow keys", "Choose a session"),
             ("Enter", "Begin or resume the chosen session, or open its file"),
+            ("Delete", "Remove the chosen session if nothing was rated; asks first"),
             ("Ctrl+S", "While a study is edited: save it"),
             ("Ctrl+Z, Ctrl+Shift+Z", "While a study is edited: undo, redo"),
             ("In a session: 0 1 2 3", "Rate the image (a definition can choose other keys)"),
@@ -86,6 +87,7 @@ pub fn settings(ctx: &Context, settings: &mut Settings, problem: Option<&str>) -
         let title = |zoom: &f32| format!("{:.0} %", zoom * 100.0);
         Field::new("Size").column(120.0).width(110.0).choice(ui, &mut settings.zoom, &ZOOMS, title);
         hint(ui, "Also with Ctrl + and Ctrl −. Stimuli keep their size.");
+        ui.checkbox(&mut settings.full_screen, "Run sessions full screen");
         match problem {
             Some(problem) => problem.lines().for_each(|line| super::ui::note(ui, line)),
             None => hint(
@@ -112,7 +114,7 @@ fn keys(ui: &mut Ui, keys: &[(&str, &str)]) {
 #[derive(Default)]
 pub struct Quit {
     /// The open question, its text, and the answer that keeps the window open.
-    question: Option<[&'static str; 3]>,
+    question: Option<(&'static str, String, &'static str)>,
     agreed: bool,
 }
 
@@ -120,8 +122,8 @@ impl Quit {
     /// Keeps the window open, and asks whether to quit during the measurement that was just paused.
     pub fn ask(&mut self, ctx: &Context) {
         ctx.send_viewport_cmd(ViewportCommand::CancelClose);
-        let text = "Readings and matches are saved; the intervals of a stopped timing are not.";
-        self.question = Some(["Quit during the measurement?", text, "Stay"]);
+        let text = "Readings and matches are saved; the intervals of a stopped timing are not.".to_owned();
+        self.question = Some(("Quit during the measurement?", text, "Stay"));
     }
 
     /// Handles a request to close the window, and draws the question if there is one. Closing the window a second time
@@ -133,13 +135,11 @@ impl Quit {
         {
             ctx.send_viewport_cmd(ViewportCommand::CancelClose);
             trials.pause(ctx);
-            let text = "Every answer so far is saved. To resume, start machband again, and press Resume on the page \
-                Studies.";
-            let question = ["Quit during the session?", text, "Continue the session"];
-            self.question = (!trials.is_unsaved()).then_some(question);
+            let question = || ("Quit during the session?", trials.how_to_resume(), "Continue the session");
+            self.question = (!trials.is_unsaved()).then(question);
         }
-        let Some([question, text, keep]) = self.question else { return };
-        if let Some(quits) = ask(ctx, question, text, [keep, "Quit"]) {
+        let Some((question, text, keep)) = &self.question else { return };
+        if let Some(quits) = ask(ctx, question, text, [*keep, "Quit"]) {
             (self.question, self.agreed) = (None, quits);
             if quits {
                 ctx.send_viewport_cmd(ViewportCommand::Close);

@@ -1,15 +1,18 @@
 //! The remembered settings while the window is open: read at the start, applied to the window, and written after a
 //! change.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use eframe::egui::{Context, ThemePreference};
 
 use crate::{
-    app::ui::{complain, full},
+    app::ui::complain,
     report::terminal::message,
     store::settings::{Settings, SettingsFile, ThemeChoice},
 };
+
+/// Changes are written once there have been no more of them for this time, seconds.
+const SETTLED_S: f64 = 1.0;
 
 /// The settings and their file.
 #[derive(Default)]
@@ -19,10 +22,8 @@ pub struct Memory {
     file: Option<SettingsFile>,
     /// Why the settings are not remembered, if a file was requested.
     pub problem: Option<String>,
-    /// The settings that were written last, or were tried to be.
-    last: Option<Settings>,
-    /// The zoom of the last frame.
-    zoom: Option<f32>,
+    /// The settings in the last frame, and when they last changed.
+    last: Option<(Settings, f64)>,
 }
 
 impl Memory {
@@ -46,12 +47,6 @@ impl Memory {
     /// Applies the theme and the zoom to the window; the zoom may also have been changed with its keys. Sessions are
     /// dark in every theme.
     pub fn apply(&mut self, ctx: &Context, is_session: bool) {
-        if !ctx.text_edit_focused() {
-            // A relative path would lead elsewhere when the program starts in another folder.
-            for path in [&mut self.settings.results, &mut self.settings.screen.profile] {
-                *path = full(Path::new(path.trim())).display().to_string();
-            }
-        }
         let theme = match self.settings.theme {
             _ if is_session => ThemePreference::Dark,
             ThemeChoice::System => ThemePreference::System,
@@ -61,22 +56,29 @@ impl Memory {
         if ctx.options(|options| options.theme_preference) != theme {
             ctx.set_theme(theme);
         }
-        match self.zoom {
-            Some(zoom) if zoom == self.settings.zoom => self.settings.zoom = ctx.zoom_factor(),
+        match &self.last {
+            Some((last, _)) if last.zoom == self.settings.zoom => self.settings.zoom = ctx.zoom_factor(),
             _ => ctx.set_zoom_factor(self.settings.zoom),
         }
-        self.zoom = Some(self.settings.zoom);
     }
 
-    /// Writes the settings if they have changed, except while a value is being typed. Settings that cannot be saved are
-    /// tried again with the next change, and when the window closes.
+    /// Writes the settings if they have changed and then stayed the same for a while.
     pub fn save(&mut self, ctx: &Context) {
-        if ctx.text_edit_focused() || self.last.as_ref() == Some(&self.settings) {
-            return;
-        }
-        self.last = Some(self.settings.clone());
-        if let Some(problem) = self.save_now() {
-            complain(ctx, problem);
+        let now = ctx.input(|input| input.time);
+        let changed_s = match &self.last {
+            Some((last, changed_s)) if *last == self.settings => *changed_s,
+            _ => {
+                ctx.request_repaint_after_secs(SETTLED_S as f32);
+                self.last = Some((self.settings.clone(), now));
+                now
+            }
+        };
+        if now - changed_s >= SETTLED_S {
+            if let Some(problem) = self.save_now() {
+                complain(ctx, problem);
+            }
+            // Settings that cannot be saved are tried again with the next change, and when the window closes.
+            self.last = Some((self.settings.clone(), f64::INFINITY));
         }
     }
 

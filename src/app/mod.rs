@@ -76,6 +76,8 @@ pub struct App {
     dialog: Option<SideDialog>,
     quit: Quit,
     memory: Memory,
+    /// Whether the window has been made to fit its screen.
+    is_fitted: bool,
     /// Keys and clicks with their arrival times.
     input: Input,
 }
@@ -131,9 +133,9 @@ impl App {
             Place::Studies if self.editor.is_some() => return self.draw_editor(ui),
             Place::Studies => self.studies.show(ui, monitor, &mut self.memory.settings),
             Place::Stimuli | Place::Shading => {
-                let checked = self.studies.check(&mut self.memory.settings, monitor);
-                let (screen, assumed) = (&self.memory.settings.screen, DisplayProfile::default());
+                let screen = self.studies.screen();
                 let viewing = screen.viewing(monitor).ok().filter(|_| !screen.width_is_assumed());
+                let (checked, assumed) = (self.studies.check(monitor), DisplayProfile::default());
                 let profile = checked.display.as_ref().unwrap_or(&assumed);
                 Step::back_if(if self.place == Place::Shading {
                     self.shading.show(ui, profile)
@@ -142,10 +144,10 @@ impl App {
                 })
             }
             Place::Display => {
-                let checked = self.studies.check(&mut self.memory.settings, monitor);
+                let checked = self.studies.check(monitor);
+                self.studies.remember(&mut self.memory.settings, monitor, &checked);
                 let window_deg = checked.protocol.as_ref().map_or(10.0, |protocol| protocol.viewing.window_deg);
-                let screen = &mut self.memory.settings.screen;
-                let step = self.display.show(ui, monitor, screen, checked.profile(), window_deg);
+                let step = self.display.show(ui, monitor, self.studies.screen(), checked.profile(), window_deg);
                 if step == Step::Next(()) {
                     // The file may have the same name as before.
                     self.studies.refresh(false, &self.memory.settings);
@@ -183,7 +185,7 @@ impl App {
     fn draw_status(&self, ui: &mut egui::Ui) {
         let shown = |path: PathBuf| path.display().to_string();
         let about = match self.place {
-            Place::Studies => self.studies.checked().map(|checked| shown(checked.folder())),
+            Place::Studies => Some(shown(self.studies.folder())),
             Place::Analyze => self.analysis.opened().map(shown),
             // The pages themselves say which display they are about.
             Place::Display => None,
@@ -258,6 +260,9 @@ impl eframe::App for App {
         self.input.frame(ui.input(|input| input.time), Instant::now());
         let is_dark = self.session.is_some() || self.measured().is_some();
         self.memory.apply(ui.ctx(), is_dark);
+        if !std::mem::replace(&mut self.is_fitted, true) && self.session.is_none() {
+            ui::fit_window(ui.ctx());
+        }
         ui::begin_frame(ui.ctx());
         self.draw(ui, frame);
         self.draw_dialogs(ui.ctx());

@@ -54,11 +54,8 @@ pub struct ScreenFields {
     pub monitor: String,
     /// Width of the visible screen, cm; empty to assume what the system does.
     pub screen_width_cm: String,
-    /// Viewing distance, cm; empty for the planned one.
+    /// Viewing distance, cm; empty to use the distance that a definition plans.
     pub distance_cm: String,
-    /// The distance that the chosen definition plans, cm; 0 while there is none.
-    #[serde(skip)]
-    pub planned_cm: f64,
     /// Path of the display profile; empty for sRGB.
     pub profile: String,
 }

@@ -172,9 +172,8 @@ impl Display {
                 }
             });
         });
-        let field = Field::new("Viewing distance, cm").column(LABELS).width(120.0);
-        let planned = format!("{}, as planned", fields.planned_cm);
-        field.slot().error(&of_distance).hint(&planned).text(ui, &mut fields.distance_cm);
+        let field = Field::new("Viewing distance, cm").column(LABELS).width(90.0);
+        field.slot().error(&of_distance).text(ui, &mut fields.distance_cm);
         // What the fields say has the same room, whatever it is.
         let ink = ink(ui);
         let (told, color) = match found {

@@ -1,12 +1,11 @@
 //! The cards beside the grid, and the selected session below it.
 
-use eframe::egui::{self, Color32, Frame, Panel, RichText, Ui};
+use eframe::egui::{self, Align, Color32, Frame, Layout, Panel, RichText, Ui};
 
 use super::{
     actions::open,
-    form::Checked,
     grid::{self, Cell},
-    page::{Destination, Now, Studies},
+    page::{Destination, Now, Open, Studies},
 };
 use crate::{
     app::ui::{
@@ -41,7 +40,7 @@ impl Studies {
             if self.sessions.of(name).next().is_some() {
                 grid::key(ui);
             } else if self.sessions.errors().is_empty() {
-                ui::hint(ui, "No sessions yet.");
+                ui::hint(ui, format!("No sessions yet. They are saved in {}.", self.folder().display()));
                 ui.add_space(theme::SMALL_GAP);
             }
             theme::card(ui).show(ui, |ui| {
@@ -66,6 +65,9 @@ impl Studies {
                     }
                     if ui.button("Open the file").clicked() {
                         open(ui, &session.csv);
+                    }
+                    if session.is_empty() && ui.button("Remove…").clicked() {
+                        self.open = Some(Open::Removal(Box::new(session.clone())));
                     }
                 });
             });
@@ -118,11 +120,21 @@ impl Studies {
                 }
             }
         });
-        let folder = self.checked().map(Checked::folder);
-        let found = Some(&self.found).filter(|found| Some(&found.folder) == folder.as_ref());
+        let found = Some(self.found.clone()).filter(|found| found.folder == self.folder());
         card(ui, &mut |ui| {
-            ui.label(RichText::new("Check").strong().size(SECTION));
-            match found {
+            ui.horizontal(|ui| {
+                ui.label(RichText::new("Check").strong().size(SECTION));
+                let Some(found) = &found else { return };
+                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                    let (text, color, icon) = match found.errors.len() as u64 {
+                        0 => ("no errors".to_owned(), ink(ui).good, Icon::Check),
+                        n => (count(n, "error"), ink(ui).bad, Icon::Warn),
+                    };
+                    ui.label(RichText::new(text).small().color(color));
+                    icon.show(ui, color);
+                });
+            });
+            match &found {
                 None => ui::hint(ui, "Check renders every picture again and compares every row with the seed."),
                 Some(found) if found.errors.is_empty() => {
                     let sessions = count(found.sessions as u64, "session");

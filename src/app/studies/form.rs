@@ -1,4 +1,4 @@
-//! What a session of the chosen study needs, and the errors in its fields.
+//! The form on the start page and the errors in its fields.
 
 use std::{
     collections::BTreeMap,
@@ -9,7 +9,7 @@ use super::grid::Cell;
 use crate::{
     app::{
         session::{Request, room, stimulus_side_px},
-        ui::{Field, Monitor, full, number},
+        ui::{Field, Monitor, ScreenFields, full, number},
     },
     display::{DisplayProfile, Viewing},
     experiment::{Identity, Protocol, Schedule},
@@ -19,13 +19,25 @@ use crate::{
         dataset::free_participant,
         definition,
         session::{Changes, SessionStore},
-        settings::Settings,
     },
     system::{found, may_write},
 };
 
 /// Width of the column of labels, points.
 pub const LABELS: f32 = 152.0;
+
+/// The values of the fields, as typed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SessionForm {
+    /// Name of a built-in definition, or path of a file.
+    pub experiment: String,
+    /// Participant ID and session ID.
+    pub cell: Cell,
+    /// Fields for the screen and the viewing distance.
+    pub screen: ScreenFields,
+    /// Path of the results folder.
+    pub results: String,
+}
 
 /// The labels of the fields, to which errors belong.
 pub const EXPERIMENT: &str = "Experiment";
@@ -36,16 +48,9 @@ pub const SCREEN_WIDTH: &str = "Screen width, cm";
 pub const PROFILE: &str = "Display profile";
 pub const RESULTS: &str = "Results folder";
 
-/// Returns the full path of the results folder; empty if none is given.
-pub fn results_of(settings: &Settings) -> PathBuf {
-    full(Path::new(settings.results.trim()))
-}
-
-/// The result of checking the chosen study, a participant and a session for a monitor.
+/// The result of checking a form for a monitor.
 #[derive(Debug)]
 pub struct Checked {
-    /// Path of the results folder.
-    pub results: PathBuf,
     /// The definition, if it is valid.
     pub protocol: Option<Protocol>,
     /// The profile, if it is valid; sRGB if no profile is given.
@@ -76,22 +81,23 @@ impl Checked {
     pub fn profile(&self) -> Result<&DisplayProfile, &str> {
         self.display.as_ref().ok_or_else(|| self.error(PROFILE))
     }
+}
 
-    /// Returns the folder of the study.
-    pub fn folder(&self) -> PathBuf {
-        self.protocol.as_ref().map_or_else(|| self.results.clone(), |protocol| self.results.join(&protocol.name))
+impl SessionForm {
+    /// Returns the full path of the results folder; empty if none is given.
+    pub fn results(&self) -> PathBuf {
+        full(Path::new(self.results.trim()))
     }
 
-    /// Checks the study and the fields.
-    pub fn new(settings: &Settings, cell: &Cell, monitor: &Monitor) -> Self {
-        let (mut errors, screen, results) = (BTreeMap::new(), &settings.screen, results_of(settings));
-        let opened = definition::open(&settings.study);
-        let protocol = opened.map_err(|error| errors.insert(EXPERIMENT, error.to_string())).ok();
-        let display = screen.profile().map_err(|error| errors.insert(PROFILE, error)).ok();
-        if let Err(error) = Identity::check_session(&cell.session) {
+    pub fn check(&self, monitor: &Monitor) -> Checked {
+        let mut errors = BTreeMap::new();
+        let protocol = self.protocol().map_err(|error| errors.insert(EXPERIMENT, error)).ok();
+        let display = self.screen.profile().map_err(|error| errors.insert(PROFILE, error)).ok();
+        if let Err(error) = Identity::check_session(&self.cell.session) {
             errors.insert(SESSION, capitalized(&error));
         }
-        let identity = Identity::new(&cell.subject, &cell.session).ok();
+        let identity = Identity::new(&self.cell.subject, &self.cell.session).ok();
+        let results = self.results();
         if let Some(error) = results_error(&results) {
             errors.insert(RESULTS, error);
         }
@@ -101,8 +107,8 @@ impl Checked {
             errors.entry(RESULTS).or_insert_with(|| error.to_string());
         }
         // Why none could be suggested is said at another field.
-        let is_missing = cell.subject.is_empty() && !matches!(free, Some(Ok(_)));
-        if let Some(error) = Identity::check_subject(&cell.subject).err().filter(|_| !is_missing) {
+        let is_missing = self.cell.subject.is_empty() && !matches!(free, Some(Ok(_)));
+        if let Some(error) = Identity::check_subject(&self.cell.subject).err().filter(|_| !is_missing) {
             errors.insert(PARTICIPANT, capitalized(&error));
         }
         if let (Some(protocol), Some(identity)) = (&protocol, &identity) {
@@ -122,12 +128,7 @@ impl Checked {
                 errors.insert(EXPERIMENT, error.to_string());
             }
         }
-        let on_screen = screen.screen(monitor).map_err(|error| errors.insert(SCREEN_WIDTH, error));
-        let distance = screen.distance().map_err(|error| errors.insert(DISTANCE, error));
-        let viewing = on_screen.ok().zip(distance.ok()).and_then(|(screen, distance_cm)| {
-            let viewing = Viewing::new(screen, distance_cm);
-            viewing.map_err(|error| errors.insert(DISTANCE, capitalized(&error))).ok()
-        });
+        let viewing = self.viewing(monitor, &mut errors);
         let seen = viewing.zip(protocol.as_ref());
         let stimulus_px = seen.map(|(viewing, protocol)| {
             let side = stimulus_side_px(&viewing, protocol);
@@ -141,33 +142,40 @@ impl Checked {
         let coarse = seen.and_then(|(viewing, protocol)| viewing.coarseness(protocol.viewing.window_deg));
         let request = match (&protocol, &display, identity) {
             (Some(protocol), Some(display), Some(identity)) if errors.is_empty() => {
-                Some(request(settings, protocol, identity, display, resume))
+                Some(self.request(protocol, identity, display, resume))
             }
             _ => None,
         };
-        Self { results, protocol, display, errors, resume, stimulus_px, coarse, request }
+        Checked { protocol, display, errors, resume, stimulus_px, coarse, request }
     }
-}
 
-/// Returns the request for a session on the screen and in the results folder of the settings.
-pub fn request(
-    settings: &Settings,
-    protocol: &Protocol,
-    identity: Identity,
-    display: &DisplayProfile,
-    resume: bool,
-) -> Request {
-    Request {
-        protocol: protocol.clone(),
-        identity,
-        seed: None,
-        results: results_of(settings),
-        display: display.clone(),
-        distance_cm: settings.screen.distance().unwrap_or(protocol.viewing.distance_cm),
-        screen_width_cm: number(&settings.screen.screen_width_cm),
-        resume,
-        changes: Changes::Refuse,
-        windowed: !settings.full_screen,
+    /// Returns the request for a session with the screen and the results folder of this form.
+    pub fn request(&self, protocol: &Protocol, identity: Identity, display: &DisplayProfile, resume: bool) -> Request {
+        Request {
+            protocol: protocol.clone(),
+            identity,
+            seed: None,
+            results: self.results(),
+            display: display.clone(),
+            distance_cm: number(&self.screen.distance_cm).unwrap_or(protocol.viewing.distance_cm),
+            screen_width_cm: number(&self.screen.screen_width_cm),
+            resume,
+            changes: Changes::Refuse,
+            windowed: false,
+        }
+    }
+
+    /// Reads the definition.
+    pub fn protocol(&self) -> Result<Protocol, String> {
+        definition::open(&self.experiment).map_err(|error| error.to_string())
+    }
+
+    /// Returns the viewing geometry, or adds the errors in its fields.
+    fn viewing(&self, monitor: &Monitor, errors: &mut BTreeMap<&'static str, String>) -> Option<Viewing> {
+        let screen = self.screen.screen(monitor).map_err(|error| errors.insert(SCREEN_WIDTH, error));
+        let distance = self.screen.distance().map_err(|error| errors.insert(DISTANCE, error));
+        let viewing = Viewing::new(screen.ok()?, distance.ok()?);
+        viewing.map_err(|error| errors.insert(DISTANCE, capitalized(&error))).ok()
     }
 }
 

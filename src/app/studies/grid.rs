@@ -6,12 +6,13 @@ use std::{
 };
 
 use eframe::egui::{
-    self, Color32, FocusDirection, Id, Key, Modifiers, Popup, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind,
-    TextStyle, Ui, UiBuilder, Vec2,
+    self, Color32, FocusDirection, Id, Key, Modifiers, Popup, Rect, RichText, ScrollArea, Sense, Shape, Stroke,
+    StrokeKind, TextStyle, Ui, UiBuilder, Vec2,
 };
 
 use crate::{
     app::ui::{
+        describe,
         theme::{CONTROL, GAP, ICON, Icon, Ink, ROW, ink},
         work::Latest,
     },
@@ -20,10 +21,13 @@ use crate::{
     text::names::natural,
 };
 
-/// Width of the column of participants, points.
+/// Width of the column of participants, and minimum and maximum width of their answers, points.
 const NAMES: f32 = 96.0;
+const ANSWERS: [f32; 2] = [136.0, 208.0];
 /// Minimum and maximum width of a cell, points.
 const CELL: [f32; 2] = [88.0, 280.0];
+/// Length of a dash around the next session, points.
+const DASH: f32 = 3.0;
 
 /// The sessions in a results folder, which are read on a separate thread.
 #[derive(Default)]
@@ -101,6 +105,16 @@ impl Cell {
     }
 }
 
+/// What the user does with a cell of the grid, which is then selected.
+#[derive(Debug)]
+pub enum Action {
+    Select,
+    /// Resumes, begins or opens its session.
+    Enter,
+    /// Removes its session.
+    Remove,
+}
+
 /// The grid of a study.
 pub struct Grid<'a> {
     sessions: BTreeMap<Cell, &'a SessionState>,
@@ -139,12 +153,15 @@ impl<'a> Grid<'a> {
         Self { sessions, subjects, columns, next, wrong }
     }
 
-    /// Returns the cell that a key selects, and whether its session is entered.
-    fn keyed(&self, ui: &Ui, selected: &Cell) -> Option<(Cell, bool)> {
+    /// Returns what a key does in the grid.
+    fn keyed(&self, ui: &Ui, selected: &Cell) -> Option<(Cell, Action)> {
         let presses = |key| ui.input(|input| input.num_presses(key));
         // A dialog that opens in this frame must not take Enter for its answer.
         if ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Enter)) {
-            return Some((selected.clone(), true));
+            return Some((selected.clone(), Action::Enter));
+        }
+        if presses(Key::Delete) > 0 {
+            return Some((selected.clone(), Action::Remove));
         }
         let [up, down, left, right] =
             [Key::ArrowUp, Key::ArrowDown, Key::ArrowLeft, Key::ArrowRight].map(|key| presses(key) as isize);
@@ -162,14 +179,18 @@ impl<'a> Grid<'a> {
             memory.request_focus(cell.id());
             memory.move_focus(FocusDirection::None);
         });
-        Some((cell, false))
+        Some((cell, Action::Select))
     }
 
-    /// Draws the grid in the available room; returns the cell that the user selected, and whether its session is resumed,
-    /// begun or opened. `has_keys`: no dialog is open.
-    pub fn show(&self, ui: &mut Ui, selected: &Cell, has_keys: bool) -> Option<(Cell, bool)> {
+    /// Draws the grid in the available room; returns what the user did. `has_keys`: no dialog is open.
+    pub fn show(&self, ui: &mut Ui, selected: &Cell, has_keys: bool) -> Option<(Cell, Action)> {
+        let has_answers = self.sessions.values().any(|session| !session.answers.is_empty());
+        let columns = self.columns.len() as f32;
         let room = ui.available_width() - NAMES - GAP;
-        let width = (room / self.columns.len() as f32 - GAP).clamp(CELL[0], CELL[1]).floor();
+        let is_wide = has_answers && ui.available_width() > 560.0;
+        let answers = if is_wide { (room - columns * (CELL[1] + GAP)).clamp(ANSWERS[0], ANSWERS[1]) } else { 0.0 };
+        let room = room - answers;
+        let width = (room / columns - GAP).clamp(CELL[0], CELL[1]).floor();
         let has_keys = has_keys && selected.has_keys(ui);
         let mut chosen = if has_keys { self.keyed(ui, selected) } else { None };
         let selected = &chosen.as_ref().map_or(selected, |(cell, _)| cell).clone();
@@ -182,9 +203,13 @@ impl<'a> Grid<'a> {
             for subject in &self.subjects {
                 ui.horizontal(|ui| {
                     let cell = |session: &String| Cell { subject: subject.clone(), session: session.clone() };
-                    let took_part = self.columns.iter().any(|session| self.sessions.contains_key(&cell(session)));
-                    let color = if took_part { ink(ui).text } else { ink(ui).off };
+                    let here = || self.columns.iter().filter_map(|session| self.sessions.get(&cell(session)));
+                    let color = if here().next().is_none() { ink(ui).off } else { ink(ui).text };
                     text(ui, NAMES, RichText::new(subject).color(color));
+                    if answers > 0.0 {
+                        let told = here().map(|session| session.answers.as_str()).find(|told| !told.is_empty());
+                        text(ui, answers - GAP, RichText::new(told.unwrap_or_default()).small().color(ink(ui).dim));
+                    }
                     for cell in self.columns.iter().map(cell) {
                         let ring = (*selected == cell).then_some(has_keys);
                         let (rect, done) = self.cell(ui, &cell, width, ring);
@@ -200,18 +225,23 @@ impl<'a> Grid<'a> {
         let head_at = head.translate(Vec2::new(-scrolled.state.clamped_offset().x, 0.0));
         let ui = &mut ui.new_child(UiBuilder::new().max_rect(head_at));
         ui.shrink_clip_rect(head);
-        ui.horizontal(|ui| {
-            let dim = ink(ui).dim;
-            let mut head = |width: f32, title: &str| text(ui, width, RichText::new(title).small().color(dim));
-            head(NAMES, "Participants");
-            self.columns.iter().for_each(|session| head(width, &format!("Session {session}")));
-        });
+        ui.horizontal(|ui| self.head(ui, answers, width));
         chosen
+    }
+
+    fn head(&self, ui: &mut Ui, answers: f32, width: f32) {
+        let dim = ink(ui).dim;
+        let mut head = |width: f32, title: &str| text(ui, width, RichText::new(title).small().color(dim));
+        head(NAMES, "Participants");
+        if answers > 0.0 {
+            head(answers - GAP, "Answers");
+        }
+        self.columns.iter().for_each(|session| head(width, &format!("Session {session}")));
     }
 
     /// Draws a cell. The selected one, the only cell that Tab reaches, has a ring, which tells whether keys go to the grid.
     /// Also returns its place.
-    fn cell(&self, ui: &mut Ui, cell: &Cell, width: f32, ring: Option<bool>) -> (Rect, Option<(Cell, bool)>) {
+    fn cell(&self, ui: &mut Ui, cell: &Cell, width: f32, ring: Option<bool>) -> (Rect, Option<(Cell, Action)>) {
         let (rect, _) = ui.allocate_exact_size(Vec2::new(width, CONTROL - 1.0), Sense::hover());
         let is_selected = ring.is_some();
         let response = ui.interact(rect, cell.id(), if is_selected { Sense::click() } else { Sense::CLICK });
@@ -240,9 +270,15 @@ impl<'a> Grid<'a> {
                 _ => Color32::TRANSPARENT,
             };
             painter.rect_filled(rect, 4.0, fill);
+            let outline = rect.shrink(0.5);
             if let Some(has_keys) = ring {
                 let ring = if has_keys { Stroke::new(2.0, ink.ink) } else { Stroke::new(1.0, ink.edge) };
                 painter.rect_stroke(rect, 4.0, ring, StrokeKind::Inside);
+            } else if is_next {
+                let [top, bottom] = [outline.top(), outline.bottom()]
+                    .map(|y| [outline.left(), outline.right()].map(|x| egui::pos2(x, y)));
+                let around = [top[0], top[1], bottom[1], bottom[0], top[0]];
+                painter.extend(Shape::dashed_line(&around, Stroke::new(1.0, ink.edge), DASH, DASH));
             } else if session.is_none() {
                 painter.rect_stroke(rect, 4.0, Stroke::new(1.0, ink.line), StrokeKind::Inside);
             }
@@ -253,13 +289,13 @@ impl<'a> Grid<'a> {
             painter.text(at, egui::Align2::LEFT_CENTER, text, TextStyle::Body.resolve(ui.style()), color);
         }
         if response.double_clicked() {
-            return (rect, Some((cell.clone(), true)));
+            return (rect, Some((cell.clone(), Action::Enter)));
         }
         // Enter on the selected cell also counts as a click.
         let clicked = response.clicked_by(egui::PointerButton::Primary) && !is_selected;
         let selects = || {
             response.request_focus();
-            (cell.clone(), false)
+            (cell.clone(), Action::Select)
         };
         (rect, clicked.then(selects))
     }
@@ -304,6 +340,10 @@ fn text(ui: &mut Ui, width: f32, text: RichText) {
     let size = Vec2::new(width, CONTROL - 1.0);
     ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
         ui.set_min_size(size);
-        ui.add(egui::Label::new(text).truncate());
+        let said = text.text().to_owned();
+        let response = ui.add(egui::Label::new(text).truncate());
+        if said.is_empty() {
+            describe(&response, "no answers");
+        }
     });
 }

@@ -9,8 +9,8 @@ use std::{
 use eframe::egui::{self, Align, CentralPanel, Frame, Layout, Panel, Rect, RichText, ScrollArea, Ui, UiBuilder};
 
 use super::{
-    form::{self, Checked},
-    grid::{Cell, Grid, Sessions},
+    form::{self, Checked, SessionForm},
+    grid::{Action, Cell, Grid, Sessions},
     jobs::{Checked as FilesChecked, Job, Made},
     list::StudyList,
     request_form::RequestForm,
@@ -21,13 +21,14 @@ use crate::{
         editor::Thumbnails,
         session::Request,
         ui::{
-            self, Dialog, Field, FileKind, Monitor, Step, quiet,
+            self, Field, FileKind, Monitor, ScreenFields, Step, quiet,
             theme::{self, GAP, Icon, LARGE_GAP, MARGIN, NARROW, SECTION, WIDE},
         },
     },
     report::document::numbers::count,
     store::{
-        definition::{self, BUILT_IN},
+        definition,
+        session::overview::SessionState,
         settings::{Settings, remember},
     },
     work::RequestError,
@@ -60,26 +61,29 @@ pub(super) enum Open {
     Request(Box<RequestForm>),
     /// What a plan found, in sentences.
     Planned(Vec<String>),
+    /// Asks whether to remove a session in which nothing was rated.
+    Removal(Box<SessionState>),
 }
 
 /// What a frame of the page is drawn with.
 pub(super) struct Now<'a> {
-    /// What the check of the study and of the dialog's fields found.
+    /// What the check of the form found.
     pub checked: Rc<Checked>,
     /// The monitor that shows this window.
     pub monitor: &'a Monitor,
-    /// The chosen study, the results folder and the screen, among others.
+    /// The remembered values of the fields.
     pub settings: &'a mut Settings,
 }
 
 #[derive(Default)]
 pub struct Studies {
-    /// The participant and the session in the dialog.
-    pub(super) cell: Cell,
-    /// What was checked last, and the result. Updated if anything has changed.
-    pub(super) checked: Option<(Settings, Cell, Monitor, Rc<Checked>)>,
-    /// The next free participant, whom the program suggests.
+    pub(super) form: SessionForm,
+    /// The form and the monitor that were checked last, and the result. Updated if either has changed.
+    pub(super) checked: Option<(SessionForm, Monitor, Rc<Checked>)>,
+    /// The participant that the program suggested.
     pub(super) suggested: String,
+    /// The distance that the definition plans, as text.
+    pub(super) planned_cm: String,
     pub(super) card: Option<CardHelper>,
     pub(super) list: StudyList,
     pub(super) sessions: Sessions,
@@ -93,54 +97,64 @@ pub struct Studies {
     pub(super) found: FilesChecked,
     /// Why the last session that was chosen could not be resumed.
     pub(super) error: Option<String>,
-    started: bool,
+    pub(super) started: bool,
     /// Whether the dialog of a session or of a definition was just opened, so that its first field gets the focus.
     pub(super) opening: bool,
 }
 
 impl Studies {
+    /// The fields of the screen, which the Display pages share.
+    pub fn screen(&mut self) -> &mut ScreenFields {
+        &mut self.form.screen
+    }
+
     /// Returns what the last check found.
     pub fn checked(&self) -> Option<&Checked> {
         self.checked.as_ref().map(|(.., checked)| &**checked)
     }
 
-    /// Updates the page when the user returns to it. After a complete session, the next one is selected.
+    /// Returns the folder of the chosen study.
+    pub fn folder(&self) -> PathBuf {
+        let name = self.checked().and_then(|checked| checked.protocol.as_ref()).map(|protocol| &protocol.name);
+        name.map_or_else(|| self.form.results(), |name| self.form.results().join(name))
+    }
+
+    /// Updates the page when the user returns to it. After a session that is complete, or in which nothing was rated,
+    /// the next participant is entered; after an interrupted one, the fields stay.
     pub fn refresh(&mut self, completed: bool, settings: &Settings) {
         if completed {
-            self.selected = None;
+            (self.form.cell, self.selected) = (Cell::first(""), None);
         }
         (self.checked, self.error) = (None, None);
         self.sessions.refresh();
         self.list.read(&settings.recent.experiments);
     }
 
-    /// Draws the page. `settings` has what its fields show.
+    /// Draws the page. `settings` are the remembered values of its fields, which it updates.
     pub fn show(&mut self, ui: &mut Ui, monitor: &Monitor, settings: &mut Settings) -> Step<Destination> {
-        if !std::mem::replace(&mut self.started, true) {
-            let study = if settings.study.is_empty() { BUILT_IN[0].name.to_owned() } else { settings.study.clone() };
-            self.choose_experiment(study, settings);
-            if settings.screen.monitor != monitor.title() {
-                settings.screen.screen_width_cm.clear();
-            }
+        if !self.started {
+            self.started = true;
+            self.recall(settings, monitor);
         }
-        settings.screen.monitor = monitor.title();
         let dropped = ui.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_owned()));
         if let Some(path) = dropped {
-            self.choose_experiment(path.display().to_string(), settings);
+            self.choose_experiment(path.display().to_string());
         }
         // Another window may have used this one's results.
         if ui.input(|input| input.events.contains(&egui::Event::WindowFocused(true))) {
             self.refresh(false, settings);
         }
-        let checked = self.check(settings, monitor);
+        let checked = self.check(monitor);
+        self.remember(settings, monitor, &checked);
         self.list.update(ui.ctx(), &settings.recent.experiments);
-        self.sessions.update(ui, &checked.results);
+        let results = self.form.results();
+        self.sessions.update(ui, &results);
         let mut next = self.take_made(ui.ctx());
         let wide = usize::from(ui.ctx().content_rect().width() < WIDE);
         if ui.ctx().content_rect().width() >= NARROW {
             let frame = Frame::NONE.inner_margin(egui::Margin::symmetric(12, LARGE_GAP as i8));
             let panel = Panel::left("studies").resizable(false).exact_size(LIST[wide]).frame(frame);
-            panel.show(ui, |ui| self.studies(ui, settings));
+            panel.show(ui, |ui| self.studies(ui));
         }
         let height = ui.available_height() - 2.0 * MARGIN;
         let mut now = Now { checked, monitor, settings };
@@ -156,7 +170,7 @@ impl Studies {
             });
         });
         let dialog = self.open.take().and_then(|open| self.dialog(ui, open, &mut now));
-        CardHelper::measure(&mut self.card, ui.ctx(), &mut now.settings.screen, monitor);
+        CardHelper::measure(&mut self.card, ui.ctx(), &mut self.form.screen, monitor);
         dialog.or(next).map_or(Step::Stay, Step::Next)
     }
 
@@ -164,24 +178,27 @@ impl Studies {
     pub fn choose_new(&mut self, path: &Path, settings: &mut Settings) {
         let path = path.display().to_string();
         remember(&mut settings.recent.experiments, &path);
-        self.choose_experiment(path, settings);
+        self.choose_experiment(path);
         self.refresh(false, settings);
     }
 
-    /// Chooses an experiment, by its name or its path.
-    pub(super) fn choose_experiment(&mut self, name_or_path: String, settings: &mut Settings) {
+    /// Chooses an experiment, by its name or its path. A distance that the user typed stays.
+    pub fn choose_experiment(&mut self, name_or_path: String) {
         // A file that is named in two ways would be two studies.
-        settings.study = match definition::built_in(Path::new(&name_or_path)) {
+        self.form.experiment = match definition::built_in(Path::new(&name_or_path)) {
             Some(_) => name_or_path,
             None => ui::full(Path::new(&name_or_path)).display().to_string(),
         };
         // Who was entered belongs to the definition.
-        self.cell = Cell::first(&self.suggested);
+        self.form.cell = Cell::first(&self.suggested);
         (self.selected, self.error) = (None, None);
+        if self.form.screen.distance_cm == self.planned_cm {
+            self.form.screen.distance_cm.clear();
+        }
     }
 
     /// Draws the studies to choose from.
-    pub(super) fn studies(&mut self, ui: &mut Ui, settings: &mut Settings) {
+    pub(super) fn studies(&mut self, ui: &mut Ui) {
         ui.horizontal(|ui| {
             ui.add_space(GAP);
             ui.label(RichText::new("Studies").strong().size(SECTION));
@@ -191,13 +208,14 @@ impl Studies {
                 }
             });
         });
-        let Self { list, sessions, .. } = self;
-        let clicked = list.show(ui, &settings.study, |experiment| match sessions.participants(experiment) {
+        let Self { list, sessions, form, .. } = self;
+        let clicked = list.show(ui, &form.experiment, |experiment| match sessions.participants(experiment) {
             0 => String::new(),
-            n => count(n as u64, "participant"),
+            1 => "1 participant".to_owned(),
+            n => format!("{n} participants"),
         });
-        if let Some(name) = clicked.filter(|name| *name != settings.study) {
-            self.choose_experiment(name, settings);
+        if let Some(name) = clicked.filter(|name| *name != self.form.experiment) {
+            self.choose_experiment(name);
         }
     }
 
@@ -226,9 +244,15 @@ impl Studies {
         let selected = self.selected.clone().unwrap_or_else(|| new.clone());
         next = self.detail(ui, &selected, now).or(next);
         let grid = Grid::new(self.sessions.of(&protocol.name), protocol.plan, new, &self.found.wrong);
-        if let Some((cell, enters)) = grid.show(ui, &selected, self.open.is_none()) {
-            if enters {
-                next = self.enter(ui, &cell, now).or(next);
+        let chosen = grid.show(ui, &selected, self.open.is_none());
+        if let Some((cell, action)) = chosen {
+            match action {
+                Action::Select => {}
+                Action::Enter => next = self.enter(ui, &cell, now).or(next),
+                Action::Remove => {
+                    let empty = self.recorded(&cell).filter(SessionState::is_empty);
+                    self.open = empty.map(|session| Open::Removal(Box::new(session)));
+                }
             }
             self.selected = Some(cell);
         }
@@ -245,7 +269,7 @@ impl Studies {
                 self.open = Some(Open::Session);
                 return self.session_dialog(ui, now);
             }
-            Open::Definition(path) => self.definition_dialog(ctx, path, now.settings).map(Open::Definition),
+            Open::Definition(path) => self.definition_dialog(ctx, path).map(Open::Definition),
             Open::Request(mut form) => match form.show(ctx) {
                 Step::Stay => Some(Open::Request(form)),
                 Step::Back => None,
@@ -261,38 +285,54 @@ impl Studies {
                 });
                 is_open.then_some(Open::Planned(planned))
             }
+            Open::Removal(session) => {
+                let title = Cell::of(&session.identity).title();
+                let text = format!("Nothing was rated in {title}, so no rating is lost.");
+                match ui::ask(ctx, "Remove the empty session?", &text, ["Keep", "Remove"]) {
+                    None => Some(Open::Removal(session)),
+                    Some(false) => None,
+                    Some(true) => {
+                        match session.remove() {
+                            Ok(()) => ui::say(ctx, format!("{title} was removed.")),
+                            Err(error) => ui::complain(ctx, error.to_string()),
+                        }
+                        (self.checked, self.selected) = (None, None);
+                        self.form.cell.subject.clear();
+                        self.sessions.refresh();
+                        None
+                    }
+                }
+            }
         };
         None
     }
 
     /// Draws the dialog that opens a definition; returns what was typed, unless it is closed.
-    fn definition_dialog(&mut self, ctx: &egui::Context, mut path: String, settings: &mut Settings) -> Option<String> {
-        let dialog = Dialog {
-            title: "Open a definition",
-            about: "A file in the format of docs/definitions.md. It can also be dropped on this window.",
-            width: 560.0,
-            error: "",
-            hint: "",
-            action: "Open",
-            close: "Cancel",
-            is_ready: !path.trim().is_empty(),
-        };
-        let (step, browsed) = dialog.show(ctx, |ui| {
+    fn definition_dialog(&mut self, ctx: &egui::Context, mut path: String) -> Option<String> {
+        let entered = ui::entered(ctx);
+        let (done, closed) = ui::modal(ctx, "definition", 560.0, |ui, _| {
+            ui.heading("Open a definition");
+            ui::hint(ui, "A file in the format of docs/definitions.md. It can also be dropped on this window.");
+            ui.add_space(GAP);
             let field = Field::new("Definition").column(96.0).hint("path of a .toml file");
-            let (field, browsed) = field.path(ui, &mut path, (FileKind::Toml, "Choose a definition…"));
+            let browse = (FileKind::Toml, "Choose a definition…");
+            let (field, browsed) = field.path(ui, &mut path, browse);
             if std::mem::take(&mut self.opening) {
                 field.request_focus();
             }
-            browsed
+            ui.add_space(GAP);
+            ui.horizontal(|ui| {
+                let ready = !path.trim().is_empty();
+                let opened = ui::primary(ui, "Open", ready, "") || ready && (entered || browsed);
+                opened.then_some(true).or(ui.button("Cancel").clicked().then_some(false))
+            })
+            .inner
         });
-        match step {
-            Step::Back => return None,
-            Step::Stay if !browsed => return Some(path),
-            _ => {}
+        if done == Some(true) {
+            self.choose_experiment(path.trim().to_owned());
+            ui::say(ctx, format!("Opened {}", self.form.experiment));
         }
-        self.choose_experiment(path.trim().to_owned(), settings);
-        ui::say(ctx, format!("Opened {}", settings.study));
-        None
+        (done.is_none() && !closed).then_some(path)
     }
 
     /// Takes the result of the job; a simulated study is analyzed.

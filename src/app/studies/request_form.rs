@@ -2,12 +2,12 @@
 //! on the command line.
 
 use clap::{Arg, ArgAction, Command};
-use eframe::egui::{Context, Response, Ui};
+use eframe::egui::{Context, Response, ScrollArea, Ui};
 use serde_json::{Map, Value};
 
 use super::jobs::Job;
 use crate::{
-    app::ui::{Dialog, Field, FileKind, Step},
+    app::ui::{self, Field, FileKind, Step, primary, theme::GAP},
     work::{Request, RequestError, from_names},
 };
 
@@ -15,6 +15,9 @@ use crate::{
 const WIDTH: f32 = 600.0;
 const LABELS: f32 = 176.0;
 const FIELD: f32 = 280.0;
+
+/// Height of the title and of the buttons, points.
+const BUTTONS: f32 = 150.0;
 
 /// A field that the dialog shows.
 struct Shown {
@@ -71,31 +74,38 @@ impl RequestForm {
 
     /// Draws the dialog; starts what is requested once it is confirmed and possible.
     pub fn show(&mut self, ctx: &Context) -> Step<Job> {
-        let Self { title, action, about, fields, error, is_new, .. } = self;
-        let of_none = error.as_ref().filter(|error| error.field.is_none());
-        let of_none = of_none.map(ToString::to_string).unwrap_or_default();
-        let dialog =
-            Dialog { title, about, width: WIDTH, error: &of_none, hint: "", action, close: "Cancel", is_ready: true };
-        let (step, ()) = dialog.show(ctx, |ui| {
-            let wrong = error.as_ref().and_then(|error| error.field.as_deref());
-            for field in fields {
-                let is_next = wrong.is_none_or(|wrong| wrong == field.argument.get_id().as_str());
-                let text = field.show(ui, error.as_ref());
-                if let Some(text) = text.filter(|_| is_next && std::mem::take(is_new)) {
-                    text.request_focus();
+        let entered = ui::entered(ctx);
+        let (step, closed) = ui::modal(ctx, self.title, WIDTH, |ui, height| {
+            ui.heading(self.title);
+            ui::hint(ui, &self.about);
+            ui.add_space(GAP);
+            // The buttons stay in view in a low window.
+            ScrollArea::vertical().max_height(height - BUTTONS).show(ui, |ui| {
+                let wrong = self.error.as_ref().and_then(|error| error.field.as_deref());
+                for field in &mut self.fields {
+                    let is_next = wrong.is_none_or(|wrong| wrong == field.argument.get_id().as_str());
+                    let text = field.show(ui, self.error.as_ref());
+                    if let Some(text) = text.filter(|_| is_next && std::mem::take(&mut self.is_new)) {
+                        text.request_focus();
+                    }
                 }
-            }
+            });
+            let of_none = self.error.iter().filter(|error| error.field.is_none());
+            of_none.for_each(|error| ui::show_error(ui, error.to_string()));
+            ui.horizontal(|ui| {
+                let confirmed = primary(ui, self.action, true, "") || entered;
+                let cancelled = ui.button("Cancel").clicked();
+                if confirmed {
+                    match self.start(ctx) {
+                        Ok(job) => return Step::Next(job),
+                        Err(error) => (self.error, self.is_new) = (Some(error), true),
+                    }
+                }
+                Step::back_if(cancelled)
+            })
+            .inner
         });
-        if step != Step::Next(()) {
-            return Step::back_if(step == Step::Back);
-        }
-        match self.start(ctx) {
-            Ok(job) => Step::Next(job),
-            Err(error) => {
-                (self.error, self.is_new) = (Some(error), true);
-                Step::Stay
-            }
-        }
+        if closed { Step::Back } else { step }
     }
 
     /// Shows an error that was found after the dialog had closed; returns true if it is that of a field.

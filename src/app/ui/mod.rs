@@ -41,7 +41,7 @@ pub use dialog::{FileKind, browse};
 pub use fields::{Field, entry, number};
 pub use history::History;
 pub use page::{
-    Bench, Dialog, Step, action, ask, begin_frame, end_frame, entered, escaped, folded, footer, heading, keyed,
+    Bench, Step, action, ask, begin_frame, end_frame, entered, escaped, fit_window, folded, footer, heading, keyed,
     main_action, menu, modal, neutral_primary, notice, page, page_from, paged, pinned, place_page, primary, quiet,
     release_focus, shortcut, tool_page,
 };

@@ -8,7 +8,7 @@ use eframe::egui::{
 };
 
 use super::{
-    text::{errors, hint, secondary},
+    text::secondary,
     theme::{BIG_CONTROL, COLUMN, CONTROL, GAP, Icon, LARGE_GAP, MARGIN, compact, focus_ring, ink, ink_of},
 };
 
@@ -116,8 +116,8 @@ pub fn tool_page(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) -> bool {
     })
 }
 
-/// Height of a dialog's title and buttons, points.
-const BUTTONS: f32 = 168.0;
+/// Height of the bar above a window, points.
+const TITLE_BAR: f32 = 40.0;
 /// In a page narrower than this, in points, the view is above the controls, in one column.
 const ONE_COLUMN: f32 = 760.0;
 
@@ -315,49 +315,6 @@ pub fn modal<R>(ctx: &Context, id: &str, width: f32, add: impl FnOnce(&mut Ui, f
     (shown.inner, closed)
 }
 
-/// A dialog that asks for something, with its main button and a button that closes it.
-pub struct Dialog<'a> {
-    pub title: &'a str,
-    pub about: &'a str,
-    /// Maximum width, points.
-    pub width: f32,
-    /// What is wrong, apart from what its fields say; empty for nothing.
-    pub error: &'a str,
-    /// What is said beside the buttons.
-    pub hint: &'a str,
-    /// Labels of the main button and of the other one.
-    pub action: &'a str,
-    pub close: &'a str,
-    /// Whether it can be confirmed.
-    pub is_ready: bool,
-}
-
-impl Dialog<'_> {
-    /// Draws the dialog; returns `Next` if it is confirmed, with its main button or with Enter. `add` draws its fields,
-    /// which scroll.
-    pub fn show<R>(self, ctx: &Context, add: impl FnOnce(&mut Ui) -> R) -> (Step<()>, R) {
-        let confirmed = entered(ctx) && self.is_ready;
-        let ((step, added), closed) = modal(ctx, self.title, self.width, |ui, height| {
-            ui.heading(self.title);
-            hint(ui, self.about);
-            ui.add_space(GAP);
-            // The buttons stay in view in a low window.
-            let fields = ScrollArea::vertical().max_height(height - BUTTONS).auto_shrink([false, true]);
-            let added = fields.show(ui, add).inner;
-            ui.separator();
-            errors(ui, self.error);
-            let step = ui.horizontal_wrapped(|ui| {
-                let confirmed = primary(ui, self.action, self.is_ready, "") || confirmed;
-                let cancelled = ui.button(self.close).clicked();
-                hint(ui, self.hint);
-                if confirmed { Step::Next(()) } else { Step::back_if(cancelled) }
-            });
-            (step.inner, added)
-        });
-        (if closed { Step::Back } else { step }, added)
-    }
-}
-
 /// Draws a dialog with a Close button, above which its content scrolls; returns whether it stays open.
 pub fn notice(ctx: &Context, id: &str, width: f32, add: impl FnOnce(&mut Ui)) -> bool {
     let (clicked, closed) = modal(ctx, id, width, |ui, height| {
@@ -441,6 +398,14 @@ pub fn end_frame(ctx: &Context) {
         ctx.request_repaint();
     }
     LastFrame::of(ctx, |last| last.typing = typing);
+}
+
+/// Maximizes a window that is too large for its screen.
+pub fn fit_window(ctx: &Context) {
+    let sizes = ctx.input(|input| input.viewport().monitor_size.zip(input.viewport().inner_rect));
+    if sizes.is_some_and(|(screen, window)| window.width() > screen.x || window.height() + TITLE_BAR > screen.y) {
+        ctx.send_viewport_cmd(egui::ViewportCommand::Maximized(true));
+    }
 }
 
 /// Takes the keyboard focus from the control that has it, because another page appears: Space is then a key of that page.

@@ -38,6 +38,10 @@ pub struct Platform {
     pub own_px: Option<[u32; 2]>,
     /// Width of the display area in cm, as reported by the screen.
     pub width_cm: Option<f64>,
+    /// Whether the screen supports variable refresh.
+    pub variable_refresh: Option<bool>,
+    /// Whether the screen supports high dynamic range.
+    pub hdr: Option<bool>,
 }
 
 impl Platform {
@@ -50,8 +54,9 @@ impl Platform {
             () if set("WAYLAND_DISPLAY") => {
                 Self { window_system: "Wayland", composited: Some(true), ..Self::default() }
             }
+            // X11 does not support high dynamic range.
             () if set("DISPLAY") => {
-                let known = Self { window_system: "X11", ..Self::default() };
+                let known = Self { window_system: "X11", hdr: Some(false), ..Self::default() };
                 known.clone().ask_x11(monitor).unwrap_or(known)
             }
             () => Self { window_system: "none", ..Self::default() },
@@ -78,6 +83,7 @@ impl Platform {
                 self.own_px = info.modes.first().and_then(|id| mode(*id)).map(px);
             }
             self.width_cm = (info.mm_width > 0).then(|| f64::from(info.mm_width) / 10.0);
+            self.variable_refresh = vrr_capable(&x, output);
             let crtc = x.randr_get_crtc_info(info.crtc, resources.config_timestamp).ok()?.reply().ok()?;
             if let Some(mode) = mode(crtc.mode) {
                 self.mode_px = Some(px(mode));
@@ -102,6 +108,17 @@ pub fn is_resampled(mode: &ModeInfo, crtc: &randr::GetCrtcInfoReply) -> bool {
         crtc.rotation.contains(randr::Rotation::ROTATE90) || crtc.rotation.contains(randr::Rotation::ROTATE270);
     let (width, height) = if turned { (mode.height, mode.width) } else { (mode.width, mode.height) };
     (width, height) != (crtc.width, crtc.height)
+}
+
+/// Returns whether the driver says that the output supports variable refresh.
+fn vrr_capable(x: &RustConnection, output: randr::Output) -> Option<bool> {
+    let property = x.intern_atom(true, b"vrr_capable").ok()?.reply().ok()?.atom;
+    if property == x11rb::NONE {
+        return None;
+    }
+    let kind = x11rb::protocol::xproto::AtomEnum::ANY;
+    let reply = x.randr_get_output_property(output, property, kind, 0, 1, false, false).ok()?.reply().ok()?;
+    reply.data.first().map(|value| *value != 0)
 }
 
 /// Returns whether a gamma ramp leaves every code unchanged; `None` if there is no ramp. A ramp that is dark
@@ -177,8 +194,7 @@ impl ScreenFields {
     /// # Errors
     /// It is not a number.
     pub fn distance(&self) -> Result<f64, String> {
-        let planned = (self.planned_cm > 0.0 && self.distance_cm.trim().is_empty()).then_some(self.planned_cm);
-        centimeters(planned.or_else(|| number(&self.distance_cm)), "57")
+        centimeters(number(&self.distance_cm), "57")
     }
 
     /// Returns whether the screen's width is assumed rather than measured or typed.

@@ -27,8 +27,8 @@ use super::{
 };
 use crate::{app::ui::pixels, system::signals};
 
-/// Size of the window at first, points. It fits a screen of 1280 × 720 points with its bars.
-const SIZE: egui::Vec2 = egui::vec2(1240.0, 660.0);
+/// Size of the window at first, points. It fits a screen of 1366 × 768 pixels with its bars.
+const SIZE: egui::Vec2 = egui::vec2(1280.0, 700.0);
 /// Minimum size of the window outside sessions, points.
 pub const MIN_SIZE: egui::Vec2 = egui::vec2(520.0, 360.0);
 

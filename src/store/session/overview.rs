@@ -3,14 +3,19 @@
 use std::{
     cmp::Reverse,
     collections::HashSet,
+    fs,
     path::{Path, PathBuf},
 };
 
-use super::{dataset::identity, results, sidecar::Sidecar};
+use super::{
+    dataset::{SessionPaths, identity},
+    results,
+    sidecar::Sidecar,
+};
 use crate::{
     experiment::{Identity, Protocol, columns},
-    store::{FileErrors, StoreError, error::io, ratings::Listed},
-    system::found,
+    store::{FileErrors, StoreError, error::io, file::held, ratings::Listed},
+    system::{found, unless_missing},
 };
 
 /// A session as a list shows it.
@@ -33,6 +38,8 @@ pub struct SessionState {
     pub started_at: String,
     /// Whether a program rated.
     pub simulated: bool,
+    /// What the participant answered before the first page, without their consent: `24, right`.
+    pub answers: String,
     /// Whether its files can be read. If not, only the experiment and the identity are known, from the path, and the session
     /// counts as `complete`, because it cannot be resumed.
     pub is_readable: bool,
@@ -54,9 +61,36 @@ impl SessionState {
         Ok((protocol, distance_cm))
     }
 
+    /// Removes the files of a session in which nothing was rated. What the participant answered stays in the table of
+    /// participants.
+    ///
+    /// # Errors
+    /// There are or were rows, the session is being recorded, or a file cannot be read or removed. Then nothing is lost.
+    pub fn remove(&self) -> Result<(), StoreError> {
+        let (_, sidecar, protocol) = Sidecar::of(&self.csv)?;
+        if held(&self.csv)?.is_some() {
+            return Err(StoreError::InUse(self.csv.clone()));
+        }
+        if sidecar.is_complete() || !results::read(&self.csv, &columns(&protocol))?.is_empty() {
+            return Err(StoreError::protected(&self.csv, "has or had ratings; expected a session without any"));
+        }
+        let results = self.csv.ancestors().nth(3).unwrap_or(Path::new(""));
+        let paths = SessionPaths::new(results, &protocol, &self.identity);
+        // The rows go last: without them, nobody would find the others.
+        for path in [paths.frames, paths.sidecar, paths.csv] {
+            unless_missing(fs::remove_file(&path)).map_err(io(&path, "remove"))?;
+        }
+        Ok(())
+    }
+
     /// Returns whether the session cannot be read, or was finished, but some of its trials are missing now.
     pub fn is_damaged(&self) -> bool {
         !self.is_readable || self.complete && self.rated < self.planned
+    }
+
+    /// Returns whether nothing was ever rated, so that the session can be removed.
+    pub fn is_empty(&self) -> bool {
+        self.rated == 0 && !self.complete
     }
 
     /// Returns what the path tells about a session that cannot be read; `None` if it tells nothing.
@@ -73,6 +107,7 @@ impl SessionState {
             complete: true,
             started_at: String::new(),
             simulated: false,
+            answers: String::new(),
             is_readable: false,
         })
     }
@@ -93,6 +128,12 @@ impl SessionState {
         };
         let started_at = sidecar.sittings.last().map(|sitting| sitting.started_at.clone()).unwrap_or_default();
         let simulated = sidecar.sittings.iter().any(|sitting| sitting.observer.is_some());
+        let answers = sidecar.participant.unwrap_or_default();
+        let answers = answers.iter().filter(|(field, _)| *field != "consent");
+        let answer = |(_, answer): (&String, &serde_json::Value)| {
+            answer.as_str().map_or_else(|| answer.to_string(), ToOwned::to_owned)
+        };
+        let answers = answers.map(answer).collect::<Vec<_>>().join(", ");
         Ok(Self {
             csv,
             experiment: protocol.name.clone(),
@@ -103,6 +144,7 @@ impl SessionState {
             complete,
             started_at,
             simulated,
+            answers,
             is_readable: true,
         })
     }
