@@ -341,6 +341,12 @@ impl Session {
         std::mem::take(&mut self.log.runs)
     }
 
+    /// Judges frames against `frames`, beginning with the next one. Call this when the screen has changed or when its
+    /// refresh interval is known more accurately.
+    pub fn set_frame_count(&mut self, frames: FrameCount) {
+        self.options.frames = frames;
+    }
+
     /// Notes that something else was on the screen, so that the next frame does not follow the last one.
     pub fn interrupt_frames(&mut self) {
         self.log.interrupt();

@@ -15,7 +15,7 @@ use super::{
 };
 use crate::{
     app::ui::Monitor,
-    display::frames::{FrameTimes, KnownRefresh},
+    display::frames::{FrameTimes, KnownRefresh, Refresh},
     experiment::{
         Answers, Course, FrameCount, Identity, Phase, RowContext, Session, SessionOptions, State, TrialRecord,
         TrialResponse, session_seed,
@@ -197,14 +197,35 @@ pub fn fresh_seed() -> u64 {
     session_seed(now().as_nanosecond() as u64 ^ (u64::from(std::process::id()) << 32))
 }
 
-/// The refresh against which frames are judged: what the preflight found about the screen.
-pub struct ScreenRefresh(pub KnownRefresh);
+/// The refresh of the screen, updated if the window moves to another screen.
+pub struct ScreenRefresh {
+    /// The preflight's finding, and the name and rate of the monitor at that time, which identify it.
+    first: (Option<String>, Option<f64>, KnownRefresh),
+    now: KnownRefresh,
+}
 
 impl ScreenRefresh {
+    /// Starts with the preflight's finding about the monitor.
+    pub fn new(monitor: &Monitor, found: KnownRefresh) -> Self {
+        Self { first: (monitor.name.clone(), monitor.refresh_hz, found), now: found }
+    }
+
+    /// Updates the refresh for the monitor that shows the window; returns a note if it has changed.
+    pub fn update(&mut self, monitor: &Monitor) -> Option<String> {
+        let before = self.now.0;
+        let (name, hz, found) = &self.first;
+        let same = (name, *hz) == (&monitor.name, monitor.refresh_hz);
+        self.now = if same { *found } else { Refresh::known(monitor.refresh_hz, &[]) };
+        let (refresh, source) = self.now;
+        (refresh != before).then(|| {
+            let hz = refresh.map(|refresh| format!("{:.3} Hz, ", refresh.hz())).unwrap_or_default();
+            format!("the screen's refresh rate changed: {} {hz}{source}", monitor.title())
+        })
+    }
+
     /// Returns how the session counts frames.
     pub fn frames(&self) -> FrameCount {
-        let Self((refresh, _)) = self;
-        refresh.map_or(FrameCount::Frames, |refresh| FrameCount::Against(refresh.seconds()))
+        self.now.0.map_or(FrameCount::Frames, |refresh| FrameCount::Against(refresh.seconds()))
     }
 
     /// Returns the frames of a sitting in one sentence, for the experimenter; `None` if none were counted.
@@ -212,8 +233,7 @@ impl ScreenRefresh {
         let ms = |seconds: f64| format!("{:.1} ms", seconds * 1e3);
         let (median, p99) = (ms(times.quantile(0.5)?), ms(times.quantile(0.99)?));
         let counted = count(times.intervals_us().len() as u64, "frame");
-        let Self((refresh, _)) = self;
-        let verdict = match (times.dropped(), refresh) {
+        let verdict = match (times.dropped(), self.now.0) {
             (Some(dropped), Some(refresh)) => {
                 let late = count(times.late_onsets().into(), "onset");
                 format!("{dropped} dropped at {:.2} Hz, {late} late", refresh.hz())
@@ -228,14 +248,14 @@ impl ScreenRefresh {
     /// the file with every interval.
     pub fn summary(&self, times: &FrameTimes, file: Option<String>) -> Option<FrameSummary> {
         let round = |seconds: f64| (seconds * 1e6).round() / 1e6;
-        let Self((refresh, source)) = self;
+        let (refresh, source) = self.now;
         Some(FrameSummary {
             intervals: times.intervals_us().len(),
             median_s: round(times.quantile(0.5)?),
             p01_s: round(times.quantile(0.01)?),
             p99_s: round(times.quantile(0.99)?),
             refresh_s: refresh.map(|refresh| (refresh.seconds() * 1e9).round() / 1e9),
-            refresh_source: (*source).to_owned(),
+            refresh_source: source.to_owned(),
             dropped: times.dropped(),
             missed_refreshes: times.missed_refreshes(),
             late_onsets: times.dropped().map(|_| times.late_onsets()),

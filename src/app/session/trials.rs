@@ -55,8 +55,6 @@ pub struct Trials {
     textures: Vec<(Stimulus, TextureHandle)>,
     categories: CategoryPictures,
     screen: ScreenRefresh,
-    /// The monitor that showed the last frame.
-    monitor: Monitor,
     /// The rating clicked in the previous frame, which still showed the stimulus.
     clicked: Option<(u8, PressTime)>,
     scale_shown: bool,
@@ -82,7 +80,7 @@ impl Trials {
         monitor: &Monitor,
         answers: Option<Answers>,
     ) -> Result<Self, StoreError> {
-        let screen = ScreenRefresh(prepared.refresh);
+        let screen = ScreenRefresh::new(monitor, prepared.refresh);
         let (recording, session, offset) = Recording::begin(request, prepared, notes, monitor, &screen, answers)?;
         // On a screen smaller than the minimum window size, part of the stimulus would be cut off unnoticed.
         ctx.send_viewport_cmd(ViewportCommand::MinInnerSize(Vec2::splat(1.0)));
@@ -99,7 +97,6 @@ impl Trials {
             textures: Vec::new(),
             categories: CategoryPictures::default(),
             screen,
-            monitor: monitor.clone(),
             clicked: None,
             scale_shown: false,
             unsaved_answer: None,
@@ -130,9 +127,10 @@ impl Trials {
             return Step::Stay;
         }
         let was_main = self.phase() == Some(Phase::Main);
-        if self.monitor != *monitor {
-            self.recording.store.note(format!("the screen changed: {}", monitor.title()));
-            self.monitor.clone_from(monitor);
+        // The window may have moved to another monitor with another refresh rate.
+        if let Some(note) = self.screen.update(monitor) {
+            self.session.set_frame_count(self.screen.frames());
+            self.recording.store.note(note);
         }
         self.handle_input(ui, now, input);
         if self.is_trial() && self.too_small(ui.ctx()).is_some() {
@@ -499,6 +497,16 @@ impl Trials {
             frames: self.screen.sentence(self.session.frame_times()),
             error,
         }))
+    }
+
+    /// Says how to resume the session after the window is closed.
+    pub fn how_to_resume(&self) -> String {
+        let identity = &self.recording.identity;
+        let (subject, session) = (identity.subject(), identity.session());
+        format!(
+            "Every answer so far is saved. To resume, start machband again, choose {subject}, session {session}, on the \
+                page Studies, and press Resume."
+        )
     }
 
     /// Ends the sitting if it has not ended; returns the write error, if any.
