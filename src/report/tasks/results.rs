@@ -259,9 +259,10 @@ fn points(study: &TaskStudy, common: &Common, model: &Model) -> Vec<OfPerson<Vec
     let levels = second.map_or(1, |second| second.levels.len());
     let of = |condition: usize| condition / levels;
     for OfPerson { person, condition, found } in &mut all {
-        let is_own = |own: &(usize, usize)| own.1 == *person && of(own.0) == of(*condition);
-        for (_, given) in study.given.iter().filter(|(own, _)| is_own(own) && model.guess == Guess::Free) {
-            Point::add(found, model.unseen(), given.catches[0], given.catches[1]);
+        let own = study.given.iter().filter(|(own, _)| own.1 == *person && of(own.0) == of(*condition));
+        for [seen, all] in own.map(|(_, given)| given.catches).filter(|[_, all]| model.guess == Guess::Free && *all > 0)
+        {
+            Point::add(found, model.unseen(), seen, all);
         }
         found.sort_by(|a, b| a.x.total_cmp(&b.x));
     }
