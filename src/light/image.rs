@@ -144,7 +144,8 @@ pub fn resized<const N: usize>(
         checkpoint();
         let pixel = |across: &Vec<(u32, f64)>| {
             let mut sum = [0.0; N];
-            for ((row, by), (column, bx)) in down.iter().flat_map(|row| across.iter().map(move |column| (row, column))) {
+            for ((row, by), (column, bx)) in down.iter().flat_map(|row| across.iter().map(move |column| (row, column)))
+            {
                 sum.iter_mut().zip(at(*column, *row)).for_each(|(sum, value)| *sum += by * bx * value);
             }
             sum

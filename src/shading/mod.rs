@@ -31,7 +31,6 @@ pub use frame::{
 pub use lighting::{Lamp, LampPosition, Lighting, Material, Refraction, Specular, Transmits, Transparency};
 pub use measure::{self as crease, Creases, EdgeCrease, Truth};
 pub use mesh::{
-    Coat, Edge, EdgeKind, Edges, Mesh, Normals, Paint, PaintedCorner, Polygons, Smooth, Surface, Texture, Vertex, Wrap,
-    shapes,
+    Across, Coat, Mesh, Normals, Paint, PaintedCorner, Polygons, Smooth, Surface, Texture, Vertex, Wrap, shapes,
 };
 pub use shaders::{Correction, Shade, Shader, Shading};

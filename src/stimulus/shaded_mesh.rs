@@ -81,7 +81,12 @@ impl ShadedMesh {
         if self.mesh.has_vertices() && (self.vertices as usize) < least {
             return fault("vertices", &self.vertices, &format!("is below the {least} that a {} needs", self.mesh));
         }
-        if let Some((name, correction, problem)) = self.shade().idle_correction(&self.shader) {
+        let corrections = [("vertex", self.vertex), ("reweight", self.reweight)];
+        let is_idle = |(_, correction): &(&str, Correction)| *correction != Correction::Off;
+        if let Some((name, correction)) = corrections.into_iter().find(is_idle)
+            && !self.shader.interpolates_light()
+        {
+            let problem = format!("corrects interpolated light, which {} does not use", self.shader);
             return fault(name, &correction, &problem);
         }
         if self.high + self.highlight > 1.0 {
@@ -169,7 +174,7 @@ pub fn along(frame: &Frame, shade: &Shade, [from, to]: [DVec2; 2], count: usize)
             if !w.iter().all(|w| *w >= 0.0) {
                 continue;
             }
-            let depth = w[0] * corners[0].depth + w[1] * corners[1].depth + w[2] * corners[2].depth;
+            let depth = frame.depth(triangle, w);
             if found.is_none_or(|(other, ..)| depth < other) {
                 *found = Some((depth, triangle, w));
             }

@@ -19,8 +19,8 @@ use crate::{
     light::{CodeImage, Depth, LinearImage, Quantizer, Transfers},
     report::document::numbers::count,
     shading::{
-        self, Body, Correction, Creases, EdgeKind, Frame, Highlight, Mirrors, Normals, Scene, Shader, Surface, Truth,
-        crease, image, number_or_inf,
+        self, Body, Correction, Creases, Frame, Highlight, Mirrors, Normals, Scene, Shader, Surface, Truth, crease,
+        image, number_or_inf,
         shapes::{self, Shape},
     },
     stimulus::{Judged, Residual, StimulusColor, SurfaceDifference, Triple, ViewingConditions, emitted},
@@ -134,16 +134,6 @@ impl OneMesh {
         shading::Shade { shader, depth, boundary, vertex, reweight }
     }
 
-    fn checked_shade(&self) -> Result<shading::Shade, RequestError> {
-        let shade = self.shade();
-        let drawn =
-            self.shader.map_or_else(|| "the smooth surface".to_owned(), |shader| format!("the shader {shader}"));
-        match shade.idle_correction(&drawn) {
-            Some((field, _, problem)) => Err(RequestError::value(field, format!("{problem}; expected off"))),
-            None => Ok(shade),
-        }
-    }
-
     /// Returns the built-in shape that the request names, if it does.
     fn named(&self) -> Option<Shape> {
         self.mesh.to_str().and_then(|name| name.parse().ok())
@@ -155,10 +145,6 @@ impl OneMesh {
             let message = format!("{} is too short or too long; expected a length from 1e-6 to 1e6", self.light);
             return Err(RequestError::value("light", message));
         }
-        let mirrors = Mirrors { slope: self.facet_slope, c1: self.facet_c1, index: self.facet_index };
-        if let Some((name, problem)) = self.highlight.idle_option(mirrors) {
-            return Err(RequestError::value(name, problem));
-        }
         Ok(Scene {
             rotate_deg: self.rotate.0,
             light,
@@ -168,7 +154,7 @@ impl OneMesh {
             specular: self.specular,
             highlight: self.highlight,
             shininess: self.shininess,
-            mirrors,
+            mirrors: Mirrors { slope: self.facet_slope, c1: self.facet_c1, index: self.facet_index },
             background: self.background,
             distance: self.distance,
             ..Scene::default()
@@ -180,9 +166,14 @@ impl OneMesh {
         let idle = |(field, _): (String, Value)| {
             let why = match &field[..] {
                 "depth" | "boundary" if !self.shade().has_strip() => "nothing draws strips",
+                "vertex" | "reweight" if !self.shade().shader.interpolates_light() => "no light is interpolated",
+                "facet_c1" if self.highlight != Highlight::TorranceSparrow => "only torrance-sparrow uses it",
+                "facet_slope" | "facet_index" if !self.highlight.has_mirrors() => "the highlight has no small mirrors",
                 "vertices" if !named.is_some_and(Shape::has_vertices) => "the mesh has as many as it has",
                 "crease" if named.is_some() => "built-in meshes have their own creases",
-                "shininess" if self.facet_slope.is_some() => "facet_slope says how sharp the highlight is",
+                "shininess" if self.facet_slope.is_some() && self.highlight.has_mirrors() => {
+                    "facet_slope says how sharp the highlight is"
+                }
                 "window_deg" if !is_measured => "nothing is measured",
                 _ => return None,
             };
@@ -387,7 +378,7 @@ struct Drawing<'a> {
 impl<'a> Drawing<'a> {
     /// Puts a mesh in its place.
     fn new(one: &'a OneMesh, file: MeshFile, size: u32, notes: &mut Vec<String>) -> anyhow::Result<Self> {
-        let (shade, scene) = (one.checked_shade()?, one.scene()?);
+        let (shade, scene) = (one.shade(), one.scene()?);
         notes.extend(file.note(&one.mesh));
         let surface = Surface::new(file.mesh.estimated(one.normals));
         let frame = scene.frame(&surface, size, size);
@@ -492,7 +483,7 @@ impl<'a> Drawing<'a> {
 
 /// Says how many edges of a mesh cannot be shaded smoothly, if any.
 fn non_manifold(name: &dyn Display, surface: &Surface) -> Option<String> {
-    let found = surface.edges.edges.iter().filter(|edge| edge.kind == EdgeKind::NonManifold).count();
+    let found = surface.non_manifold;
     (found > 0).then(|| {
         format!(
             "{name}: shading is not smooth across edges that belong to more than two triangles, or to neighbors with opposite winding ({found} found)"

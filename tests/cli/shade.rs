@@ -32,9 +32,12 @@ fn the_picture_matches_the_library() {
     succeeds(folder.path(), &split("shade --shader phong --highlight cook-torrance --facet-slope .4 --out c.png"));
     let idle = machband(
         folder.path(),
-        &split("shade --mesh cube --vertices 9 --crease 9 --shader flat --depth 7 --out d.png"),
+        &split(
+            "shade --mesh cube --vertices 9 --crease 9 --shader flat --depth 7 --vertex repaired --facet-c1 1 --out d.png",
+        ),
     );
-    let notes = ["vertices", "crease", "depth"].map(|name| format!("note: {name} has no effect, because "));
+    let notes = ["vertices", "crease", "depth", "vertex", "facet_c1"]
+        .map(|name| format!("note: {name} has no effect, because "));
     let said = String::from_utf8(idle.stderr).unwrap();
     assert!(notes.iter().all(|note| said.contains(note)), "{said}");
 }
@@ -93,12 +96,10 @@ fn every_error_has_its_own_message() {
         2: goraud => goraud
         2: fixed --depth 0 => 1…32
         2: flat --mesh teapot => "teapot" is not known; expected one of cube,
-        2: flat --facet-c1 1 --highlight cook-torrance => --facet-c1 has no effect with the highlight cook-torrance
         2: flat --mesh blob --vertices 3 => --vertices
         2: flat --light 0,0,0 => too short or too long
         2: flat --rotate 1,2 => three numbers
         2: flat --distance 0.5 => outside 1.05…1000000
-        2: phong --reweight repaired => --reweight corrects interpolated light, which the shader phong does not use; expected off
         2: flat --metrics x.png => is another output
         2: flat --window 0 => '0' for '--window <DEG>': outside 0.5…170
         1: flat --mesh none.obj => none.obj
@@ -107,8 +108,7 @@ fn every_error_has_its_own_message() {
     refuses(folder.path(), "shade --shader {} --out x.png", cases);
     let cases = r"
         2: --shader flat => nothing to write
-        2: --shader gouraud --background 0 --black 0 --out x.png --metrics x.json => --black 0: no light
-        2: --truth --vertex repaired --out x.png => --vertex corrects interpolated light, which the smooth surface does not";
+        2: --shader gouraud --background 0 --black 0 --out x.png --metrics x.json => --black 0: no light";
     refuses(folder.path(), "shade {}", cases);
 }
 

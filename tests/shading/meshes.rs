@@ -5,7 +5,7 @@ use std::{f64::consts::PI, path::Path};
 use glam::{DMat3, DVec3};
 use machband::{
     shading::{
-        EdgeKind, Edges, Mesh, Normals, Surface,
+        Across, Mesh, Normals, Surface,
         mesh::{newell, triangulated},
         shapes::{self, Shape},
     },
@@ -20,16 +20,15 @@ fn volume(mesh: &Mesh) -> f64 {
 /// Returns vertices − edges + triangles, after checking that every edge has two sides that traverse it in opposite
 /// directions.
 fn euler_of_closed(mesh: &Mesh, has_creases: bool) -> i64 {
-    let edges = Edges::of(mesh);
-    for edge in &edges.edges {
+    for side in Surface::new(mesh.clone()).across.as_flattened() {
         // Only the cylinder is meant to have creases.
-        let is_closed = edge.kind == EdgeKind::Smooth || (has_creases && edge.kind == EdgeKind::Crease);
-        assert!(is_closed, "{edge:?}");
+        let is_closed = matches!(side, Across::Smooth(_)) || (has_creases && matches!(side, Across::Crease(_)));
+        assert!(is_closed, "{side:?}");
     }
     let mut sites: Vec<u32> = mesh.vertices.iter().map(|v| v.site).collect();
     sites.sort_unstable();
     sites.dedup();
-    sites.len() as i64 - edges.edges.len() as i64 + mesh.triangles.len() as i64
+    sites.len() as i64 - mesh.triangles.len() as i64 * 3 / 2 + mesh.triangles.len() as i64
 }
 
 #[test]
@@ -94,19 +93,18 @@ proptest! {
         let whole = shapes::mesh(Shape::Blob, points).unwrap();
         let places: Vec<DVec3> = whole.vertices.iter().map(|v| v.position).collect();
         let mesh = Mesh::new(&places, &whole.triangles, crease).unwrap();
-        let mut is_any_joined = false;
-        let mut kinds = Vec::new();
-        for edge in &Edges::of(&mesh).edges {
-            let [a, b] = [0, 1].map(|i| newell(&mesh.corners(edge.sides[i].0 as usize)));
+        let (mut is_any_joined, mut is_any_smooth) = (false, false);
+        for (i, side) in Surface::new(mesh.clone()).across.into_flattened().into_iter().enumerate() {
+            let (Across::Smooth(other) | Across::Crease(other)) = side else { panic!("{side:?}") };
+            let [a, b] = [i / 3, other as usize / 3].map(|t| newell(&mesh.corners(t)));
             let angle = a.dot(b).clamp(-1.0, 1.0).acos().to_degrees();
+            let is_smooth = matches!(side, Across::Smooth(_));
             is_any_joined |= angle < crease + 0.01;
-            kinds.push(edge.kind);
-            if angle < crease - 0.01 {
-                prop_assert_eq!(edge.kind, EdgeKind::Smooth);
-            }
+            is_any_smooth |= is_smooth;
+            prop_assert!(is_smooth || angle >= crease - 0.01);
         }
         // If no faces are joined, all edges are creases.
-        prop_assert!(is_any_joined || kinds.iter().all(|kind| *kind == EdgeKind::Crease));
+        prop_assert!(is_any_joined || !is_any_smooth);
     }
 
     /// For any simple polygon, the triangles have the polygon's area, none is flipped, and every edge of the polygon is
@@ -283,9 +281,10 @@ fn cube_of_quads_is_the_cube() {
     // With a crease angle below 90°, all edges of the cube are sharp.
     let sharp = obj::parse("it.obj", CUBE.as_bytes(), 60.0).unwrap().mesh;
     assert_eq!(sharp.vertices.len(), 24);
-    let edges = Edges::of(&sharp).edges;
-    assert_eq!(edges.iter().filter(|e| e.kind == EdgeKind::Crease).count(), 12);
-    assert_eq!(edges.iter().filter(|e| e.kind == EdgeKind::Smooth).count(), 6);
+    let across = Surface::new(sharp).across.into_flattened();
+    // Each of the twelve edges and of the six diagonals has two sides.
+    assert_eq!(across.iter().filter(|side| matches!(side, Across::Crease(_))).count(), 24);
+    assert_eq!(across.iter().filter(|side| matches!(side, Across::Smooth(_))).count(), 12);
 }
 
 #[test]

@@ -13,7 +13,7 @@ pub const NONE: u32 = u32::MAX;
 /// Returns the triangle that each pixel shows, row by row from the top left; [`NONE`] where there is only background.
 ///
 /// A pixel belongs to the triangles whose [`Outline`]s contain it. The nearest triangle is visible; in a tie, the first
-/// one is. Depth is affine on the screen.
+/// one is.
 pub fn visible(frame: &Frame) -> Vec<u32> {
     visible_in(frame, &outlines(frame), 0..frame.view.height)
 }
@@ -50,11 +50,11 @@ pub(crate) fn each_layer(
         if within.is_empty() {
             continue;
         }
-        let depths = Plane::of_depths(frame, triangle);
         for y in within {
             let row = (y - rows.start) as usize * frame.view.width as usize;
             for x in outline.span(y, frame.view.width) {
-                of(triangle, row + x as usize, depths.at(x, y));
+                let center = DVec2::new(f64::from(x), f64::from(y)) + 0.5;
+                of(triangle, row + x as usize, frame.depth(triangle, frame.weights(triangle, center)));
             }
         }
     }
@@ -115,10 +115,7 @@ fn is_joined(frame: &Frame, one: usize, other: usize, here: usize, there: usize)
         let (x, y) = (pixel % frame.view.width as usize, pixel / frame.view.width as usize);
         DVec2::new(x as f64 + 0.5, y as f64 + 0.5)
     };
-    let depth = |t: usize, pixel: usize| {
-        let weights = frame.weights(t, center(pixel));
-        frame.corners(t).iter().zip(weights).map(|(vertex, weight)| weight * vertex.depth).sum::<f64>()
-    };
+    let depth = |t: usize, pixel: usize| frame.depth(t, frame.weights(t, center(pixel)));
     let [first, second] = [(one, here), (other, there)].map(|(t, pixel)| depth(t, pixel));
     let [ahead, behind] = [(one, there), (other, here)].map(|(t, pixel)| depth(t, pixel));
     (first - second).abs() <= 2.0 * (first - ahead).abs().max((second - behind).abs())
@@ -197,31 +194,5 @@ impl Side {
 
     fn at(&self, row: f64) -> f64 {
         self.x + (row - self.y) * self.slope
-    }
-}
-
-/// A quantity of one triangle that is affine on the screen.
-struct Plane {
-    /// A corner, measured from the center of the first pixel, and the quantity there.
-    origin: DVec2,
-    at: f64,
-    /// Its change per pixel to the right and down.
-    slope: DVec2,
-}
-
-impl Plane {
-    /// Makes the plane of a triangle's depths.
-    fn of_depths(frame: &Frame, triangle: usize) -> Self {
-        let corners = frame.corners(triangle);
-        let ([a, b, c], depths) = (corners.map(|v| v.screen), corners.map(|v| v.depth));
-        let per_area = 1.0 / Frame::area2(a, b, c);
-        let slope = |from: DVec2, to: DVec2| DVec2::new(to.y - from.y, from.x - to.x) * per_area;
-        let slope = slope(c, a) * (depths[1] - depths[0]) + slope(a, b) * (depths[2] - depths[0]);
-        Plane { origin: a - 0.5, at: depths[0], slope }
-    }
-
-    /// Returns the quantity at the center of pixel `x` of `row`.
-    fn at(&self, x: u32, row: u32) -> f64 {
-        self.at + self.slope.x * (f64::from(x) - self.origin.x) + self.slope.y * (f64::from(row) - self.origin.y)
     }
 }

@@ -7,7 +7,7 @@ use glam::{DMat3, DVec2, DVec3};
 use crate::shading::{
     cubic,
     lighting::Lighting,
-    mesh::{EdgeKind, Paint, Smooth, Surface},
+    mesh::{Across, Paint, Smooth, Surface},
 };
 
 /// A window of pixels, and the rotation and projection of the mesh in it.
@@ -231,7 +231,7 @@ impl Frame {
         let mesh = &surface.mesh;
         let scale = if radius > 0.0 { 1.0 / radius } else { 1.0 };
         let rotation = view.rotation;
-        let open = surface.edges.edges.iter().any(|edge| edge.kind == EdgeKind::Border);
+        let open = surface.across.as_flattened().contains(&Across::Border);
         let mut vertices = Vec::with_capacity(mesh.vertices.len() * if open { 2 } else { 1 });
         let sides = if open { &[1.0, -1.0][..] } else { &[1.0] };
         for side in sides {
@@ -308,6 +308,11 @@ impl Frame {
         [wa, wb, 1.0 - wa - wb]
     }
 
+    /// Returns the depth, which is affine on the screen, where the corners of triangle `triangle` have these weights.
+    pub fn depth(&self, triangle: usize, weights: [f64; 3]) -> f64 {
+        self.corners(triangle).iter().zip(weights).map(|(vertex, weight)| weight * vertex.depth).sum()
+    }
+
     /// Returns the light that a point of the surface at `eye` with the unit normal `normal` sends to the eye.
     pub fn lit(&self, eye: DVec3, normal: DVec3) -> DVec3 {
         self.lighting.light(eye, normal, self.view.to_viewer(eye))
@@ -336,18 +341,18 @@ impl Frame {
         for (t, drawn_as) in drawn.iter().enumerate() {
             let Some((_, corners)) = *drawn_as else { continue };
             let is_back = corners[0] >= back;
-            let edges = surface.edges.of_triangle[t];
+            let [a, b, c] = surface.across[t];
             // The back is the triangle with its corners reversed, so its edges 1 and 2 swap places.
-            let edges = if is_back { [edges[0], edges[2], edges[1]] } else { edges };
-            let across = edges.map(|e| {
-                let edge = Some(&surface.edges.edges[e as usize]).filter(|edge| edge.kind == EdgeKind::Smooth)?;
-                let (other, k) = edge.sides[usize::from(edge.sides[0].0 == t as u32)];
-                let apex = mesh.triangles[other as usize][usize::from(k)] + if is_back { back } else { 0 };
-                let (triangle, theirs) = drawn[other as usize]?;
+            let beyond = if is_back { [a, c, b] } else { [a, b, c] };
+            let across = beyond.map(|side| {
+                let Across::Smooth(side) = side else { return None };
+                let (other, k) = ((side / 3) as usize, (side % 3) as usize);
+                let apex = mesh.triangles[other][k] + if is_back { back } else { 0 };
+                let (triangle, theirs) = drawn[other]?;
                 theirs.contains(&apex).then_some(Neighbor { triangle, apex })
             });
-            for (k, e) in edges.iter().enumerate() {
-                if surface.edges.edges[*e as usize].kind == EdgeKind::Crease {
+            for (k, side) in beyond.into_iter().enumerate() {
+                if matches!(side, Across::Crease(_)) {
                     let ends = [corners[(k + 1) % 3], corners[(k + 2) % 3]];
                     self.creases.push(MeantCrease { ends, triangle: self.triangles.len() as u32 });
                 }

@@ -39,17 +39,9 @@ named! {
 }
 
 impl Highlight {
-    /// Returns the name of an option of the small mirrors that is given although this highlight does not use it, and what
-    /// is wrong with it.
-    pub fn idle_option(self, Mirrors { slope, c1, index }: Mirrors) -> Option<(&'static str, String)> {
-        let (is_gaussian, is_beckmann) = (self == Highlight::TorranceSparrow, self == Highlight::CookTorrance);
-        let options = [
-            ("facet_slope", slope, is_gaussian || is_beckmann, " or cook-torrance"),
-            ("facet_c1", c1, is_gaussian, ""),
-            ("facet_index", index, is_gaussian || is_beckmann, " or cook-torrance"),
-        ];
-        let (name, _, _, other) = options.into_iter().find(|(_, value, is_used, _)| value.is_some() && !is_used)?;
-        Some((name, format!("has no effect with the highlight {self}; expected torrance-sparrow{other}")))
+    /// True if it is made of small mirrors.
+    pub const fn has_mirrors(self) -> bool {
+        matches!(self, Highlight::TorranceSparrow | Highlight::CookTorrance)
     }
 
     /// Returns the shape as a material has it, for the exponent `shininess` of Phong's and Blinn's highlight.

@@ -12,5 +12,4 @@ pub use build::{MAX_COORDINATE, Polygons, triangulated};
 pub use normals::{Normals, newell};
 pub use paint::{Coat, Paint, PaintedCorner, Texture, Wrap};
 pub use smooth::Smooth;
-pub use triangles::Surface;
-pub use triangles::{Edge, EdgeKind, Edges, Mesh, Vertex};
+pub use triangles::{Across, Mesh, Surface, Vertex};

@@ -6,7 +6,7 @@ use glam::DVec3;
 use nalgebra::{SMatrix, SVector};
 use rayon::prelude::*;
 
-use super::triangles::{Edges, Mesh, Vertex};
+use super::triangles::{Mesh, Vertex, sides};
 use crate::{
     shading::cubic::{self, join, root},
     system::checkpoint,
@@ -99,21 +99,20 @@ fn fans(triangles: &[[u32; 3]], normals: &[DVec3], crease_deg: f64) -> Vec<u32> 
     // The tolerance keeps the two triangles of a flat quad together at 0°.
     let least_cosine = crease_deg.max(0.0).to_radians().cos() - 1e-9;
     let mut parent: Vec<u32> = (0..triangles.len() as u32 * 3).collect();
-    for edge in &Edges::among(triangles.iter().copied()).edges {
+    let at = |side: u32, on: u32| side / 3 * 3 + (side + on) % 3;
+    let site = |corner: u32| triangles[(corner / 3) as usize][(corner % 3) as usize];
+    // Compare only with the next side. At an edge of two triangles, that is the only pair; at an edge of many, it keeps the
+    // cost linear.
+    for pair in sides(triangles.iter().copied()).windows(2).filter(|pair| pair[0].0 == pair[1].0) {
         checkpoint();
-        for (i, &(t, k)) in edge.sides.iter().enumerate() {
-            // Compare only with the next side. At an edge of two triangles, that is the only pair; at an edge of many,
-            // it keeps the cost linear.
-            let Some(&(u, l)) = edge.sides.get(i + 1) else { break };
-            let (a, b) = (normals[t as usize], normals[u as usize]);
-            if a == DVec3::ZERO || b == DVec3::ZERO || a.dot(b) < least_cosine {
-                continue;
-            }
-            for end in [1, 2] {
-                let site = triangles[t as usize][usize::from(k + end) % 3];
-                let other = if triangles[u as usize][usize::from(l + 1) % 3] == site { 1 } else { 2 };
-                join(&mut parent, t * 3 + u32::from(k + end) % 3, u * 3 + u32::from(l + other) % 3);
-            }
+        let (one, other) = (pair[0].1, pair[1].1);
+        let [a, b] = [one, other].map(|side| normals[(side / 3) as usize]);
+        if a == DVec3::ZERO || b == DVec3::ZERO || a.dot(b) < least_cosine {
+            continue;
+        }
+        for end in [1, 2] {
+            let on = if site(at(other, 1)) == site(at(one, end)) { 1 } else { 2 };
+            join(&mut parent, at(one, end), at(other, on));
         }
     }
     (0..parent.len() as u32).map(|corner| root(&mut parent, corner)).collect()

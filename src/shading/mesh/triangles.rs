@@ -1,6 +1,6 @@
 //! Meshes of triangles: their vertices, edges and curvature, and where they are.
 
-use std::{collections::HashMap, sync::Arc};
+use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 
@@ -63,89 +63,33 @@ impl Mesh {
     }
 }
 
-/// The kind of an edge, independent of the view.
+/// What is beyond a side of a triangle, independent of the view. A side of a mesh is three times the index of its triangle,
+/// plus the corner that is opposite the side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum EdgeKind {
-    /// Two triangles that share both vertices, including their normals.
-    Smooth,
-    /// Two triangles that share both sites but not both normals.
-    Crease,
-    /// Only one triangle.
+pub enum Across {
+    /// The side of a triangle that shares both vertices, including their normals.
+    Smooth(u32),
+    /// The side of a triangle that shares both sites but not both normals.
+    Crease(u32),
+    /// Nothing.
     Border,
-    /// Three or more triangles, or two with opposite windings, or only triangles that use one site twice and thus have
-    /// no sides.
+    /// Several triangles, or one with the opposite winding. Also given to triangles that use one site twice, which have no
+    /// area in any view.
     NonManifold,
 }
 
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Edge {
-    /// The two sites at the ends of the edge, the lower index first.
-    pub sites: [u32; 2],
-    /// The triangles at the edge, each with the corner that is opposite the edge. Triangles that use one site twice are
-    /// left out: they have no area in any view and must not separate two triangles that have an area.
-    pub sides: Vec<(u32, u8)>,
-    pub kind: EdgeKind,
-}
-
-/// All edges of a mesh.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Edges {
-    /// Every edge once, in the order in which the triangles list them.
-    pub edges: Vec<Edge>,
-    /// The three edges of each triangle; the k-th is opposite corner k.
-    pub of_triangle: Vec<[u32; 3]>,
-}
-
-impl Edges {
-    /// Returns the edges of `mesh`.
-    pub fn of(mesh: &Mesh) -> Edges {
-        let mut all = Edges::among(mesh.triangles.iter().map(|t| t.map(|v| mesh.vertices[v as usize].site)));
-        let corner = |t: u32, k: u8| mesh.triangles[t as usize][usize::from(k % 3)];
-        let site = |t: u32, k: u8| mesh.vertices[corner(t, k) as usize].site;
-        for edge in &mut all.edges {
-            edge.kind = match edge.sides[..] {
-                [_] => EdgeKind::Border,
-                [(t, k), (u, l)] if site(t, k + 1) == site(u, l + 2) => {
-                    if corner(t, k + 1) == corner(u, l + 2) && corner(t, k + 2) == corner(u, l + 1) {
-                        EdgeKind::Smooth
-                    } else {
-                        EdgeKind::Crease
-                    }
-                }
-                _ => EdgeKind::NonManifold,
-            };
+/// Returns the sides of triangles, which are given by their sites, in the order of their edges: the edge, with its lower site
+/// first, and the side. Triangles that use one site twice are left out: they must not separate two others.
+pub(super) fn sides(triangles: impl Iterator<Item = [u32; 3]>) -> Vec<([u32; 2], u32)> {
+    let mut sides = Vec::new();
+    for (t, [a, b, c]) in (0..).zip(triangles) {
+        checkpoint();
+        if a != b && b != c && c != a {
+            sides.extend([(b, c, 0), (c, a, 1), (a, b, 2)].map(|(a, b, k)| ([a.min(b), a.max(b)], 3 * t + k)));
         }
-        all
     }
-
-    /// Returns the edges of triangles given by their sites; the kinds of the edges are not yet determined.
-    pub(super) fn among(triangles: impl ExactSizeIterator<Item = [u32; 3]>) -> Edges {
-        let likely = triangles.len() * 3 / 2 + 3;
-        let mut index: HashMap<[u32; 2], u32> = HashMap::with_capacity(likely);
-        let mut edges: Vec<Edge> = Vec::with_capacity(likely);
-        let mut of_triangle = Vec::with_capacity(triangles.len());
-        for (t, sites) in triangles.enumerate() {
-            checkpoint();
-            let [a, b, c] = sites;
-            let has_sides = a != b && b != c && c != a;
-            of_triangle.push([(b, c, 0u8), (c, a, 1), (a, b, 2)].map(|(a, b, k)| {
-                let sites = [a.min(b), a.max(b)];
-                let at = *index.entry(sites).or_insert_with(|| {
-                    edges.push(Edge { sites, sides: Vec::new(), kind: EdgeKind::NonManifold });
-                    (edges.len() - 1) as u32
-                });
-                if has_sides {
-                    let sides = &mut edges[at as usize].sides;
-                    if sides.is_empty() {
-                        sides.reserve_exact(2);
-                    }
-                    sides.push((t as u32, k));
-                }
-                at
-            }));
-        }
-        Edges { edges, of_triangle }
-    }
+    sides.sort_unstable();
+    sides
 }
 
 /// A mesh with its edges and its curvature, which depend on neither the view nor the light.
@@ -153,8 +97,10 @@ impl Edges {
 pub struct Surface {
     /// The triangles.
     pub mesh: Mesh,
-    /// The edges at which the triangles meet.
-    pub edges: Edges,
+    /// What is beyond each side of the triangles; the k-th is opposite corner k.
+    pub across: Vec<[Across; 3]>,
+    /// The number of edges across which shading is not smooth because of their triangles.
+    pub non_manifold: usize,
     /// The curvature at the vertices: dN/dp, the change of the unit normal along the surface, which is symmetric, and zero
     /// along the normal. A sphere of radius r with outward normals has (I − NNᵀ)/r.
     pub fans: cubic::Surface,
@@ -164,20 +110,32 @@ impl Surface {
     /// Computes the edges and the curvature of `mesh`, as [`cubic::Surface::joined`] does. Vertices on either side of a crease use
     /// only their own faces.
     pub fn new(mesh: Mesh) -> Surface {
-        let edges = Edges::of(&mesh);
-        let mut across = vec![[cubic::NONE; 3]; mesh.triangles.len()];
-        for edge in edges.edges.iter().filter(|edge| edge.kind == EdgeKind::Smooth) {
-            let [(t, k), (u, l)] = [edge.sides[0], edge.sides[1]];
-            across[t as usize][usize::from(k)] = 3 * u + u32::from(l);
-            across[u as usize][usize::from(l)] = 3 * t + u32::from(k);
+        let vertex = |side: u32, on: u32| mesh.triangles[(side / 3) as usize][((side + on) % 3) as usize];
+        let site = |vertex: u32| mesh.vertices[vertex as usize].site;
+        let mut across = vec![[Across::NonManifold; 3]; mesh.triangles.len()];
+        let mut non_manifold = 0;
+        for edge in sides(mesh.triangles.iter().map(|t| t.map(site))).chunk_by(|a, b| a.0 == b.0) {
+            let mut set = |side: u32, to: Across| across[(side / 3) as usize][(side % 3) as usize] = to;
+            match *edge {
+                [(_, side)] => set(side, Across::Border),
+                [(_, a), (_, b)] if site(vertex(a, 1)) == site(vertex(b, 2)) => {
+                    let is_smooth = vertex(a, 1) == vertex(b, 2) && vertex(a, 2) == vertex(b, 1);
+                    let kind = if is_smooth { Across::Smooth } else { Across::Crease };
+                    set(a, kind(b));
+                    set(b, kind(a));
+                }
+                _ => non_manifold += 1,
+            }
         }
+        let joined = |side: Across| if let Across::Smooth(other) = side { other } else { cubic::NONE };
+        let joined: Vec<[u32; 3]> = across.iter().map(|sides| sides.map(joined)).collect();
         checkpoint();
         let of = |vector: fn(&super::Vertex) -> DVec3| -> Vec<cubic::V> {
             mesh.vertices.iter().map(|vertex| vector(vertex).to_array()).collect()
         };
-        let fans = cubic::Surface::joined(&of(|v| v.position), &of(|v| v.normal), &mesh.triangles, &across);
+        let fans = cubic::Surface::joined(&of(|v| v.position), &of(|v| v.normal), &mesh.triangles, &joined);
         checkpoint();
-        Surface { mesh, edges, fans }
+        Surface { mesh, across, non_manifold, fans }
     }
 }
 

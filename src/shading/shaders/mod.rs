@@ -64,11 +64,12 @@ pub struct Shading<'f> {
 impl<'f> Shading<'f> {
     /// Prepares `frame` by computing the constants of `shade` once.
     pub fn new(frame: &'f Frame, shade: &Shade) -> Self {
-        let is_uncorrected = (shade.vertex, shade.reweight) == (Correction::Off, Correction::Off);
+        let is_corrected = (shade.vertex, shade.reweight) != (Correction::Off, Correction::Off);
+        let is_corrected = is_corrected && shade.shader.interpolates_light();
         Shading {
             frame,
             kernel: kernel(frame, shade),
-            corrections: (!is_uncorrected).then(|| Corrections::new(frame, shade)),
+            corrections: is_corrected.then(|| Corrections::new(frame, shade)),
             is_multiplied: frame.paint.is_some() && !shade.shader.lights_pixels(),
         }
     }

@@ -1,7 +1,5 @@
 //! A shader and its options.
 
-use std::fmt::Display;
-
 use serde::Serialize;
 
 use crate::{light::Depth, text::names::named};
@@ -81,14 +79,6 @@ impl Shade {
     pub fn is_gouraud(&self) -> bool {
         let Shade { depth, boundary, .. } = *self;
         *self == Shade { depth, boundary, ..Shade::new(Shader::Gouraud) }
-    }
-
-    /// Returns the name of a correction that has no effect on this shader, its value, and why; `drawn` names the shader.
-    pub fn idle_correction(&self, drawn: &dyn Display) -> Option<(&'static str, Correction, String)> {
-        let corrections = [("vertex", self.vertex), ("reweight", self.reweight)];
-        let (name, value) = corrections.into_iter().find(|(_, correction)| *correction != Correction::Off)?;
-        let why = || format!("corrects interpolated light, which {drawn} does not use");
-        (!self.shader.interpolates_light()).then(|| (name, value, why()))
     }
 
     /// Returns the width of the strip that is actually used: `boundary`, but at most ⅓.

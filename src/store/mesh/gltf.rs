@@ -12,8 +12,8 @@ use std::{
     sync::Arc,
 };
 
-use base64::{Engine as _, prelude::BASE64_STANDARD};
 use ::image::{DynamicImage, ImageDecoder as _, ImageError, ImageFormat, ImageReader, RgbImage};
+use base64::{Engine as _, prelude::BASE64_STANDARD};
 use glam::{DAffine2, DMat3, DMat4, DVec2, DVec3};
 use gltf::{
     Accessor, Document, Gltf, Primitive, Semantic,
@@ -360,7 +360,11 @@ impl Reader<'_> {
         let placed = place.map_or(DAffine2::IDENTITY, |place| {
             let two = |of: [f32; 2]| DVec2::from_array(of.map(f64::from));
             // The angle turns the image clockwise, and v points down.
-            DAffine2::from_scale_angle_translation(two(place.scale()), -f64::from(place.rotation()), two(place.offset()))
+            DAffine2::from_scale_angle_translation(
+                two(place.scale()),
+                -f64::from(place.rotation()),
+                two(place.offset()),
+            )
         });
         let Some(places) = primitive.get(&Semantic::TexCoords(set)) else {
             self.notes.insert("textures without texture coordinates were ignored");

@@ -97,7 +97,9 @@ impl Reader {
     /// Reads `x y z`, perhaps followed by a weight, which only curves use, or a color.
     fn vertex<'a>(&mut self, text: &'a str, words: &[&'a str]) -> Result<(), Fault<'a>> {
         let vertex = three_numbers(text, words)?;
-        if let Some((_, word)) = vertex.to_array().iter().zip(words).find(|(x, _)| x.is_nan() || x.abs() > MAX_COORDINATE) {
+        if let Some((_, word)) =
+            vertex.to_array().iter().zip(words).find(|(x, _)| x.is_nan() || x.abs() > MAX_COORDINATE)
+        {
             let what = "is not finite or is beyond ±1e30; expected a finite coordinate";
             return Err((word, format!("{:?} {what}", shortened(word))));
         }

@@ -175,7 +175,12 @@ impl Header {
                 self.elements.last_mut().ok_or(none)?.add(types, name)?;
             }
             ["ply"] | ["comment" | "obj_info", ..] | [] => {}
-            _ => return Err(format!("{:?} is not known; expected the header of a PLY file", shortened(line.trim_end()))),
+            _ => {
+                return Err(format!(
+                    "{:?} is not known; expected the header of a PLY file",
+                    shortened(line.trim_end())
+                ));
+            }
         }
         Ok(())
     }
