@@ -272,15 +272,13 @@ pub(super) fn parse<H, T>(
 /// Names the first column that is not the expected one.
 pub(super) fn exactly<'a>(header: &[&str], expected: impl Iterator<Item = &'a str>) -> Result<(), CellError> {
     let expected: Vec<&str> = expected.collect();
-    for i in 0..expected.len().max(header.len()) {
-        let (found, expected) = (header.get(i), expected.get(i));
-        if found != expected {
-            let found = found.map_or("missing".to_owned(), |name| format!("{:?}", shortened(name)));
-            let expected = expected.map_or("no other column".to_owned(), |name| format!("{name:?}"));
-            return Err((i, format!("column {} is {found}; expected {expected}", i + 1)));
-        }
-    }
-    Ok(())
+    let differs = |at: &usize| header.get(*at) != expected.get(*at);
+    let Some(at) = (0..expected.len().max(header.len())).find(differs) else { return Ok(()) };
+    let told = |names: &[&str], none: &str| {
+        names.get(at).map_or_else(|| none.to_owned(), |name| format!("{:?}", shortened(name)))
+    };
+    let (found, expected) = (told(header, "missing"), told(&expected, "no other column"));
+    Err((at, format!("column {} is {found}; expected {expected}", at + 1)))
 }
 
 /// Formats one line of CSV. A line break within a cell becomes a space, so that each line is a row.

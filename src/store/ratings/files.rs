@@ -281,8 +281,6 @@ pub(in crate::store) struct Header {
     pub separator: u8,
     /// The line of the header.
     pub line: usize,
-    /// Line and column of the first text in the header that is not UTF-8.
-    pub foreign: Option<(usize, usize)>,
     /// The cells of the first row below the header, if there is one.
     pub first: Option<Vec<String>>,
     /// Number of rows below the header that are part of it.
@@ -345,18 +343,16 @@ impl Header {
         let with_cells = |line: &&[u8]| line.iter().any(|byte| b",;\t|".contains(byte));
         let head_line = std::iter::once(line).chain(lines.take(MAX_LABELS)).find(with_cells).unwrap_or_default();
         self.separator = named.unwrap_or_else(|| separator(head_line));
-        let (mut rows, mut line, mut foreign) = (Vec::new(), 1, None);
+        let (mut rows, mut line) = (Vec::new(), 1);
         rows_from(self.content(), self.separator, None, |row| {
             if rows.is_empty() {
                 line = row.place(0).0;
-                foreign = row.text().err().map(|cell| row.place(cell));
             }
             rows.push(row.record.iter().map(|cell| decoded(cell).trim().to_owned()).collect::<Vec<_>>());
             rows.len() < 2 + MAX_LABELS
         });
         let mut rows = rows.into_iter();
-        (self.line, self.foreign) = (line, foreign);
-        self.names = rows.next().unwrap_or_default();
+        (self.line, self.names) = (line, rows.next().unwrap_or_default());
         let below = rows.as_slice();
         // Qualtrics has two rows of labels.
         if below.get(1).is_some_and(|row| row.iter().any(|cell| cell.starts_with("{\"ImportId\""))) {

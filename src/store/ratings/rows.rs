@@ -106,13 +106,14 @@ impl Rows {
         if let Some((row, column, problem)) = header.text.unusable.iter().find(|(_, column, _)| used.contains(column)) {
             return Err(FileError::at(&input.name, (row + 1, column + 1), *problem));
         }
-        let mut rows = Self { foreign: header.foreign, ..Self::default() };
+        let mut rows = Self::default();
         let mut columns: Vec<Interner> = header.names.iter().map(|_| Interner::default()).collect();
         let mut heads = 1 + header.labels;
         table::rows_from(header.content(), header.separator, None, |row| {
             let incomplete = if input.layout == Layout::Results { interrupted(row) } else { None };
             if heads > 0 {
                 heads -= 1;
+                rows.foreign = rows.foreign.or(row.text().err().map(|cell| row.place(cell)));
             } else if is_blank(row, input) {
             } else if let Some(what) = incomplete {
                 match &input.sidecar {
