@@ -222,7 +222,8 @@ fn chosen(protocol: &Protocol, rows: &[&TrialRecord]) -> Option<OwnPlot> {
         caption: protocol.instructions.chosen.clone(),
         x_label: protocol.factors.iter().map(|factor| factor.name.as_str()).collect::<Vec<_>>().join(", "),
         y_label: protocol.instructions.share.clone(),
-        places: shares.into_iter().map(|(name, _)| name).collect(),
+        // A long name has room only in two lines.
+        places: shares.into_iter().map(|(name, _)| name.replace('-', "-\n")).collect(),
         y: [0.0, 1.0],
         lines: vec![(protocol.instructions.share.clone(), points)],
         ..OwnPlot::default()
