@@ -404,9 +404,13 @@ impl<'a> Posterior<'a> {
         let within = |axis: usize, share: f64| bounds[axis][0] + share * (bounds[axis][1] - bounds[axis][0]);
         let node = |i: u32, j: u32| [within(THRESHOLD, f64::from(i) / 12.0), within(WIDTH, f64::from(j) / 12.0)];
         let grid: Vec<[f64; 2]> = (1..12).flat_map(|i| (1..12).map(move |j| (i, j))).map(|(i, j)| node(i, j)).collect();
-        // A grid can miss them, because their thresholds lie in a narrow range.
-        let mut levels: Vec<f64> = self.points.iter().filter(|point| point.is_target()).map(|point| point.x).collect();
-        levels.sort_by(f64::total_cmp);
+        // A grid can miss them, because their thresholds lie in a narrow range. Levels with one trial do not count: there is
+        // always a step that tells some of their answers apart, and it says nothing about the function.
+        let points = self.points.iter().filter(|point| point.is_target());
+        let mut shown: Vec<f64> = points.flat_map(|point| vec![point.x; point.total.min(2) as usize]).collect();
+        shown.sort_by(f64::total_cmp);
+        let levels: Vec<f64> =
+            shown.chunk_by(|a, b| a == b).filter(|same| same.len() > 1).map(|same| same[0]).collect();
         let least = bounds[WIDTH][0] + 1.5_f64.ln();
         let step = |pair: &[f64]| [f64::midpoint(pair[0], pair[1]), ((pair[1] - pair[0]) / 2.0).ln().max(least)];
         let steps: Vec<[f64; 2]> = levels.windows(2).map(step).collect();
