@@ -107,7 +107,7 @@ const READS: [&str; 11] = [
 const FORGETS: [&str; 7] = [".ok()", "unwrap_or_default()", ".unwrap_or(", "is_ok", "let _ =", "let Ok(", "Err(_) =>"];
 /// Where that is right: files that are no longer needed are removed, and nothing follows if that fails.
 const FORGIVEN: [&str; 4] = [
-    "let metadata = || fs::symlink_metadata(path).ok().filter(is_kind)",
+    "let Some(found) = is_ours.then(|| fs::symlink_metadata(&path).ok()).flatten() else",
     "if removed.is_ok() || !exists(&paths.sidecar).unwrap_or(true)",
     "remove_file(",
     "?.unwrap_or_default()",
