@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use super::{
     catalog::Stimulus,
     mach_band::MachBand,
+    parameter::ParameterValue,
     shaded_mesh::emitted,
     viewing::{Judged, ViewingConditions},
 };
@@ -80,16 +81,31 @@ fn pixels(band: &MachBand, size: u32) -> Vec<f64> {
     (0..size).map(pixel).collect()
 }
 
-/// Computes something for each stimulus. A single picture keeps all threads busy and needs much memory.
-fn each<T: Send>(
+/// Computes something for each stimulus, once for lines that are alike if one is turned by a right angle or mirrored.
+fn each_once<T: Clone + Send>(
     stimuli: &[&Stimulus],
     of: impl Fn(&Stimulus) -> Result<T, VisionError> + Sync,
 ) -> Result<Vec<T>, VisionError> {
-    if stimuli.iter().all(|stimulus| stimulus.is_line()) {
-        stimuli.par_iter().map(|stimulus| of(stimulus)).collect()
+    let mut distinct: Vec<Stimulus> = Vec::new();
+    let mut place = |stimulus: &&Stimulus| {
+        let mut folded = (*stimulus).clone();
+        if folded.is_line() {
+            // A kind without an orientation stays as it is.
+            let _ = folded.set("orientation_deg", &ParameterValue::Number(oblique_deg(stimulus)));
+        }
+        distinct.iter().position(|known| *known == folded).unwrap_or_else(|| {
+            distinct.push(folded);
+            distinct.len() - 1
+        })
+    };
+    let places: Vec<usize> = stimuli.iter().map(&mut place).collect();
+    let found: Vec<T> = if distinct.iter().all(Stimulus::is_line) {
+        distinct.par_iter().map(&of).collect::<Result<_, _>>()?
     } else {
-        stimuli.iter().map(|stimulus| of(stimulus)).collect()
-    }
+        // A single picture keeps all threads busy and needs much memory.
+        distinct.iter().map(&of).collect::<Result<_, _>>()?
+    };
+    Ok(places.into_iter().map(|place| found[place].clone()).collect())
 }
 
 impl ViewingConditions {
@@ -111,7 +127,7 @@ impl ViewingConditions {
                 }
             })
         };
-        each(stimuli, |stimulus| {
+        each_once(stimuli, |stimulus| {
             let px = size.unwrap_or_else(|| ViewingConditions::px(stimulus));
             check_extent(px as usize, px as usize, self.px_per_deg(px))?;
             if let Some((light, eye)) = self.ramp(stimulus, px) {
@@ -149,7 +165,7 @@ impl ViewingConditions {
     /// # Errors
     /// Returns a [`VisionError`] if a window is all black.
     pub fn detections(&self, stimuli: &[&Stimulus]) -> Result<Vec<f64>, VisionError> {
-        each(stimuli, |stimulus| self.detection(stimulus))
+        each_once(stimuli, |stimulus| self.detection(stimulus))
     }
 
     /// Returns the contrast of a stimulus that fills the window, in multiples of the threshold of an average person who
