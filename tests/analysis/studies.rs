@@ -350,6 +350,22 @@ fn an_age_is_no_condition() {
     assert!(!said(&analyze(measured, &options(Some("cond")))).lead.concat().contains("covariate"));
 }
 
+/// Ages of 20 to 29 in one group and 50 to 59 in the other leave the group's effect to a straight line between them.
+#[test]
+fn groups_whose_ages_do_not_overlap_are_named() {
+    for (first, is_named) in [(50, true), (25, false)] {
+        let age = |person: usize| if person < 10 { 20 + person } else { first + person - 10 };
+        let ages: Vec<String> = (0..20).map(|person| age(person).to_string()).collect();
+        let rows: Vec<[&str; 3]> = (0..40).map(|i| [&*ages[i / 2], ["y", "o"][i / 20], ["a", "b"][i % 2]]).collect();
+        let latent = |person: usize, row: usize| (row / 2 == person).then_some((row % 2) as f64);
+        let results = analyze(study(&["age", "group", "cond"], &rows, (20, 8, 6), latent), &fewer_draws(None));
+        let cautions = said(&results).cautions.concat();
+        let named = "Every value of age at o is above those at y: the effects of group and age";
+        assert_eq!(cautions.contains(named), is_named, "{cautions}");
+        assert_eq!(cautions.matches("extrapolation").count(), usize::from(is_named));
+    }
+}
+
 /// The order of the factors and of the terms decides nothing, where people rated once or often: not which slopes there are,
 /// and no p.
 #[test]

@@ -3,7 +3,7 @@
 
 use std::{
     cmp::Ordering,
-    collections::{BTreeSet, HashMap},
+    collections::{BTreeMap, BTreeSet, HashMap},
 };
 
 use crate::{analysis::levels, text::names::expected_one_of};
@@ -158,6 +158,21 @@ impl Counts {
             here.map(|levels| levels[other]).collect()
         };
         other != own && (0..self.factors[own].levels.len() as u32).any(|level| at(level) != at(0))
+    }
+
+    /// Returns two levels of a factor between which the values of a number do not overlap, with the lower values first.
+    pub fn apart(&self, number: usize, factor: usize) -> Option<[u32; 2]> {
+        let numbers = self.factors[number].numbers.as_ref()?;
+        let mut ranges: BTreeMap<u32, [f64; 2]> = BTreeMap::new();
+        for levels in &self.conditions {
+            if let (Some(level), Some(value)) = (levels[factor], levels[number]) {
+                let value = numbers[value as usize];
+                let [low, high] = ranges.entry(level).or_insert([value, value]);
+                (*low, *high) = (low.min(value), high.max(value));
+            }
+        }
+        let above = |[_, high]: [f64; 2]| ranges.iter().find(|(_, [low, _])| *low > high);
+        ranges.iter().find_map(|(level, range)| Some([*level, *above(*range)?.0]))
     }
 
     /// Returns a factor among `others` that this one determines. Of two that determine each other, only the later one has

@@ -7,7 +7,9 @@ use super::{findings, health, interactions, names};
 use crate::{
     analysis::{
         Checks, ModelReport, Note, Order, Results,
+        counts::Measured,
         results::{FactorResults, SubjectResults},
+        terms::Term,
     },
     report::document::{Section, count, either, list, short_list, whole},
     store::{FileError, ratings::Source},
@@ -211,6 +213,7 @@ fn about_model(results: &Results) -> Vec<String> {
                     of a factor instead of a slope.";
         cautions.push(text.to_owned());
     }
+    cautions.extend(extrapolated(results));
     let notes = &report.model.notes;
     if results.ignores_people() {
         cautions.push(
@@ -239,6 +242,26 @@ fn about_model(results: &Results) -> Vec<String> {
         ));
     }
     cautions
+}
+
+/// Warns of covariates whose values do not overlap between the levels of a factor in the model.
+fn extrapolated(results: &Results) -> Vec<String> {
+    let Some(Measured { counts, .. }) = &results.whole else { return Vec::new() };
+    let place = |name: &String| counts.factors.iter().position(|factor| factor.name == *name);
+    let main = |factor: &&FactorResults| results.spec.terms.iter().any(|term| *term == Term::factor(&factor.name));
+    let of = |covariate: &String, factor: &FactorResults| {
+        let own = place(&factor.name)?;
+        let [lower, higher] = counts
+            .apart(place(covariate)?, own)?
+            .map(|level| names::level(results, &factor.name, &counts.factors[own].levels[level as usize]).to_string());
+        let [covariate, factor] = [covariate, &factor.name].map(|name| names::factor(results, name));
+        Some(format!(
+            "Every value of {covariate} at {higher} is above those at {lower}: the effects of {factor} and {covariate} can be told \
+             apart only by extrapolation."
+        ))
+    };
+    let factors = || results.factors.iter().filter(main);
+    results.covariates.iter().flat_map(|covariate| factors().filter_map(move |factor| of(covariate, factor))).collect()
 }
 
 /// True if a note is a caution. There is a separate caution for a single participant.
