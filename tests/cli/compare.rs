@@ -337,6 +337,12 @@ fn impossible_comparisons_are_refused() {
     pictures.gray("black.png", [64; 2], |_| 0);
     with("alpha.png", png::ColorType::Rgba, &[128; 64 * 64 * 4], |_| {});
     with("profile.png", gray, &waves, |info| info.icc_profile = Some(b"no profile".as_slice().into()));
+    with("palette.png", png::ColorType::Indexed, &[3; 64 * 64], |info| {
+        info.palette = Some([0, 0, 0, 9, 9, 9].as_slice().into());
+    });
+    with("turned.png", gray, &waves, |info| {
+        info.exif_metadata = Some(b"II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0\x06\0\0\0".as_slice().into());
+    });
     let file = fs::File::create(at("hdr.png")).unwrap();
     let mut writer = png::Encoder::with_info(file, png::Info::with_size(64, 64)).unwrap().write_header().unwrap();
     writer.write_chunk(png::chunk::cICP, &[9, 16, 0, 1]).unwrap();
@@ -364,6 +370,8 @@ fn impossible_comparisons_are_refused() {
         1: profile.png gray.png --window 2 => has a color profile that is damaged
         1: hdr.png gray.png --window 2 => has a cICP chunk (primaries 9, transfer 16), which is not supported
         1: falling.png gray.png --window 2 => whose curve does not rise from 0 to 1
+        1: palette.png gray.png --window 2 => has a pixel whose color is not in its palette
+        1: turned.png gray.png --window 2 --transfer srgb => orientation 6 in its eXIf chunk
         1: text.png gray.png --window 2 => text.png: is not a PNG; expected a PNG
         2: gray.png gray.png --window 2 --mask black.png => black.png selects no pixel
         2: gray.png gray.png --window 2 --mask colored.png => colored.png has colors

@@ -68,7 +68,8 @@ const LUMINANCE_FROM_D50: [f64; 3] = [-0.028_369_697_284_554_4, 1.009_995_320_87
 ///
 /// # Errors
 /// The file is not readable, not a complete PNG, too large, or not opaque, and its background is unknown; or its codes
-/// mean something that is not supported (a cICP chunk; a color profile that is neither gray nor a matrix with curves).
+/// mean something that is not supported (a cICP chunk; a color profile that is neither gray nor a matrix with curves); or
+/// it is not stored upright.
 pub fn read_picture(path: &Path, transfers: Option<&Transfers>, pixels: u64) -> Result<Picture, StoreError> {
     parse_picture(&path.display().to_string(), &content(path)?, transfers, pixels)
 }
@@ -84,6 +85,13 @@ pub fn parse_picture(
     pixels: u64,
 ) -> Result<Picture, StoreError> {
     let (codes, info) = decode(name, content, pixels, transfers.is_none(), |_| Ok(()))?;
+    let exif = chunks(content).find(|(kind, _)| *kind == b"eXIf");
+    if let Some(orientation @ 2..=8) = exif.and_then(|(_, exif)| orientation(exif)) {
+        let message = format!(
+            "must be rotated or mirrored for display (orientation {orientation} in its eXIf chunk); expected a picture that is stored upright"
+        );
+        return Err(FileErrors::whole(name, message).into());
+    }
     // The bits of a palette's indices are not those of its colors.
     let bits = if info.color_type == ColorType::Indexed { 8 } else { info.bit_depth as u32 };
     let said = info.sbit.as_ref().and_then(|said| said.iter().max());
@@ -105,22 +113,35 @@ fn undamaged(content: &[u8], info: &Info<'_>) -> Result<(), String> {
         ("cHRM", info.chrm_chunk.is_some()),
         ("cICP", info.coding_independent_code_points.is_some()),
     ];
-    let is_there = |name: &str| chunks(content).any(|kind| kind == name.as_bytes());
+    let is_there = |name: &str| chunks(content).any(|(kind, _)| kind == name.as_bytes());
     known.into_iter().find(|(name, is_read)| !is_read && is_there(name)).map_or(Ok(()), |(name, _)| {
         Err(format!("has a damaged {name} chunk; expected what its codes mean, or --transfer"))
     })
 }
 
-/// Returns the name of each chunk of a PNG.
-fn chunks(content: &[u8]) -> impl Iterator<Item = &[u8; 4]> {
+/// Returns the name and the data of each chunk of a PNG.
+fn chunks(content: &[u8]) -> impl Iterator<Item = (&[u8; 4], &[u8])> {
     let mut rest = content.get(8..).unwrap_or_default();
     std::iter::from_fn(move || {
         let (length, after) = rest.split_first_chunk()?;
         let (kind, after) = after.split_first_chunk()?;
+        let (data, after) = after.split_at_checked(u32::from_be_bytes(*length) as usize)?;
         // The data is followed by its checksum.
-        rest = after.get(u32::from_be_bytes(*length) as usize..)?.get(4..).unwrap_or_default();
-        Some(kind)
+        rest = after.get(4..).unwrap_or_default();
+        Some((kind, data))
     })
+}
+
+/// Returns the orientation that EXIF data state: 1 if the picture is stored upright.
+fn orientation(exif: &[u8]) -> Option<usize> {
+    let is_little = exif.starts_with(b"II");
+    let number = |bytes: &[u8]| {
+        let add = |sum: usize, byte: &u8| sum << 8 | usize::from(*byte);
+        if is_little { bytes.iter().rev().fold(0, add) } else { bytes.iter().fold(0, add) }
+    };
+    let (count, entries) = exif.get(number(exif.get(4..8)?)..)?.split_first_chunk::<2>()?;
+    let mut entries = entries.chunks_exact(12).take(number(count));
+    Some(number(&entries.find(|entry| number(&entry[..2]) == 0x112)?[8..10]))
 }
 
 /// Returns what a file says about its codes.

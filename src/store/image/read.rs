@@ -73,6 +73,9 @@ pub(super) fn decode(
     let size = reader.output_buffer_size().unwrap_or_default();
     let mut raw = vec![0; size];
     reader.next_frame(&mut raw).map_err(broken)?;
+    if is_beyond_palette(content, &info).map_err(broken)? {
+        return Err(fail("has a pixel whose color is not in its palette; expected a color of the palette".to_owned()));
+    }
     let transparent =
         || fail("has transparent pixels, and their background is not known; expected an opaque image".to_owned());
     let samples = if depth == BitDepth::Sixteen {
@@ -95,6 +98,24 @@ fn kind_of(content: &[u8]) -> &'static str {
         [0x76, 0x2f, 0x31, 0x01, ..] => "an OpenEXR image",
         _ => "not a PNG",
     }
+}
+
+/// True if the palette has no color for a pixel: the crate makes such pixels black.
+fn is_beyond_palette(content: &[u8], info: &Info<'_>) -> Result<bool, DecodingError> {
+    let colors = info.palette.as_ref().map_or(0, |palette| palette.len() / 3);
+    let bits = info.bit_depth as usize;
+    if info.color_type != ColorType::Indexed || colors >= 1 << bits {
+        return Ok(false);
+    }
+    // Without transformations, codes are indices.
+    let mut decoder = Decoder::new_with_limits(Cursor::new(content), Limits { bytes: 512 << 20 });
+    decoder.set_ignore_iccp_chunk(true);
+    let mut reader = decoder.read_info()?;
+    let mut raw = vec![0; reader.output_buffer_size().unwrap_or_default()];
+    let line = reader.next_frame(&mut raw)?.line_size.max(1);
+    let index = |row: &[u8], x: usize| row[x * bits / 8] >> (8 - bits - x * bits % 8) & (u8::MAX >> (8 - bits));
+    let is_beyond = |row: &[u8]| (0..info.width as usize).any(|x| usize::from(index(row, x)) >= colors);
+    Ok(raw.chunks_exact(line).any(is_beyond))
 }
 
 /// Returns red, green and blue of each pixel without its alpha; `None` if a pixel is not opaque.
