@@ -221,7 +221,9 @@ impl Plan {
         let participants = in_order(&self.participants);
         let all = participants.iter().map(|people| u64::from(*people)).sum::<u64>() * u64::from(self.studies);
         let progress = progress(watcher, all * plans.len() as u64);
-        let found = plans.iter().flat_map(|plan| plan.run(&participants, &sampling, &progress)).collect();
+        let sizes = plans.iter().flat_map(|plan| participants.iter().map(move |people| (plan, *people)));
+        let found = sizes.map(|(plan, people)| plan.run(people, &sampling, &progress));
+        let found = found.collect::<Result<Vec<_>, _>>()?.concat();
         let (observer, study) = (plans[0].observer().clone(), plans[0].study().clone());
         Ok(PlannedTask { protocol, observer, sampling, found, study })
     }

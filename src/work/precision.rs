@@ -206,18 +206,23 @@ impl TaskPlan {
         }
     }
 
-    /// Simulates studies of each number of participants. `progress` learns of participants whose sessions are done.
-    pub fn run(&self, participants: &[u32], sampling: &Sampling, progress: &(dyn Fn(u64) + Sync)) -> Vec<Precision> {
-        participants.iter().flat_map(|people| self.of_size(*people, sampling, progress)).collect()
-    }
-
-    fn of_size(&self, people: u32, sampling: &Sampling, progress: &(dyn Fn(u64) + Sync)) -> Vec<Precision> {
+    /// Simulates studies of a number of participants. `progress` learns of participants whose sessions are done.
+    ///
+    /// # Errors
+    /// A participant has no such order of the trials.
+    pub fn run(
+        &self,
+        people: u32,
+        sampling: &Sampling,
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> anyhow::Result<Vec<Precision>> {
         let study = |study: u32| {
-            let found = self.estimates(people, study, sampling.seed);
+            let found = self.estimates(people, study, sampling.seed)?;
             progress(people.into());
-            found
+            Ok(found)
         };
-        let studies: Vec<Vec<Estimate>> = (0..sampling.studies).into_par_iter().map(study).collect();
+        let studies = (0..sampling.studies).into_par_iter().map(study);
+        let studies = studies.collect::<anyhow::Result<Vec<Vec<Estimate>>>>()?;
         let quantities = (1..self.shifts.len()).map(|condition| self.difference(condition));
         let precision = |quantity: Quantity| {
             let all = || studies.iter().flatten().filter(|one| one.quantity == quantity);
@@ -238,7 +243,7 @@ impl TaskPlan {
                 quantity,
             }
         };
-        [Quantity::Person, Quantity::Mean].into_iter().chain(quantities).map(precision).collect()
+        Ok([Quantity::Person, Quantity::Mean].into_iter().chain(quantities).map(precision).collect())
     }
 
     fn difference(&self, condition: usize) -> Quantity {
@@ -246,11 +251,11 @@ impl TaskPlan {
     }
 
     /// Simulates a study; returns its estimates.
-    fn estimates(&self, people: u32, study: u32, seed: u64) -> Vec<Estimate> {
+    fn estimates(&self, people: u32, study: u32, seed: u64) -> anyhow::Result<Vec<Estimate>> {
         let names = (0..people).map(|person| format!("S{person:05}")).collect();
         let mut answered = TaskStudy { people: names, ..self.empty.clone() };
-        let values: Vec<Vec<f64>> =
-            (0..people as usize).map(|person| self.session(&mut answered, person, study, seed)).collect();
+        let sessions = (0..people as usize).map(|person| self.session(&mut answered, person, study, seed));
+        let values = sessions.collect::<anyhow::Result<Vec<Vec<f64>>>>()?;
         let results = TaskResults::estimated(&answered, DRAWS, seed ^ u64::from(study));
         // Only differences on a scale mean something.
         let is_scale = results.comparisons.is_some();
@@ -274,20 +279,19 @@ impl TaskPlan {
             let truth = self.shifts[condition] - self.shifts[0];
             add(self.difference(condition), found.map(turned), truth, found.is_some_and(Difference::is_clear));
         }
-        all
+        Ok(all)
     }
 
     /// Simulates the session of one participant, and returns the true values.
-    fn session(&self, study: &mut TaskStudy, person: usize, number: u32, seed: u64) -> Vec<f64> {
+    fn session(&self, study: &mut TaskStudy, person: usize, number: u32, seed: u64) -> anyhow::Result<Vec<f64>> {
         checkpoint();
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(u64::from(number) << 32 | person as u64);
         let values = self.values(&mut rng);
         // Names of people and seeds only order the trials.
         let seed = seed.wrapping_add(u64::from(number).wrapping_mul(0x9e37_79b9_7f4a_7c15));
-        let identity = Identity::new(&study.people[person], "1").ok();
-        let course = identity.and_then(|identity| Course::new(&self.protocol, &identity, seed).ok());
-        let Some(mut course) = course else { return values };
+        let identity = Identity::new(&study.people[person], "1").map_err(anyhow::Error::msg)?;
+        let mut course = Course::new(&self.protocol, &identity, seed)?;
         for trial in 0..course.schedule().trials.len() {
             let (planned, phase) = (course.schedule().trials[trial].condition, course.schedule().trials[trial].phase);
             if phase != Phase::Main || course.is_over(trial) {
@@ -300,7 +304,7 @@ impl TaskPlan {
             course.answer(trial, &shown, &answer);
             study.take(person, planned, &shown, &answer);
         }
-        values
+        Ok(values)
     }
 
     /// Draws the values of a participant in each condition.

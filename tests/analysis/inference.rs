@@ -1,8 +1,9 @@
 //! Tests of inference with few people: each test and interval says no more than the data carry.
 
 use machband::analysis::{
-    Comparison, Note, Options, Random, Resampling, Withheld, analyze,
+    Comparison, ModelSpec, Note, Options, Random, Resampling, Slopes, Withheld, analyze,
     counts::{Measured, MeasuredBuilder},
+    fit_with_tests,
     rank_tests::{PMethod, SubjectMeans, friedman},
     summary::by_factor,
 };
@@ -40,6 +41,10 @@ fn study(people: usize, levels: &[&str], ratings: usize, seed: u64, shift: impl 
 
 fn quick() -> Options {
     Options { resampling: Resampling { draws: 99, seed: 1 }, ..Options::default() }
+}
+
+fn slopes(slopes: Slopes) -> ModelSpec {
+    ModelSpec { random: Random::Subject, slopes, ..ModelSpec::new("level".parse().unwrap()) }
 }
 
 /// Complete enumerations by another program: tests/golden/ordinal/exact.csv.
@@ -81,6 +86,23 @@ fn unequal_numbers_of_ratings_are_no_effect() {
     assert_eq!(means, [1.5, 1.5, 1.5]);
     assert_eq!(friedman(&SubjectMeans::new(&counts, 0)), None, "all levels are alike");
     assert!(friedman(&SubjectMeans::new(&counts, 1)).unwrap().p < 0.01);
+}
+
+/// Half of the people rate b higher and half lower. A model in which everyone has the same effect finds one where there
+/// is none; with slopes, it does not.
+#[test]
+fn people_who_differ_are_not_an_effect() {
+    let mut found = [0, 0];
+    for seed in 0..20 {
+        let mut rng = ChaCha8Rng::seed_from_u64(100 + seed);
+        let own: Vec<f64> = (0..8).map(|_| rng.random_range(-1.2..1.2)).collect();
+        let measured = study(8, &["a", "b"], 60, seed, |person, level| if level == 1 { own[person] } else { 0.0 });
+        for (place, slopes_of) in [Slopes::None, Slopes::Independent].into_iter().enumerate() {
+            let report = fit_with_tests(&measured.counts, &slopes(slopes_of)).unwrap();
+            found[place] += usize::from(report.terms[0].p.unwrap() < 0.05);
+        }
+    }
+    assert!(found[0] >= 7 && found[1] <= 4, "of 20 studies: {found:?}");
 }
 
 /// Two people in each group cannot tell groups apart. Before, p was below 0.05 in 21 % of studies without an effect.

@@ -117,6 +117,26 @@ fn estimates_and_intervals_match_psignifit() {
     assert_eq!(expected.len(), 51);
 }
 
+#[test]
+fn a_falling_curve_is_the_mirror_image() {
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    for curve in [Curve::Normal, Curve::Logistic, Curve::Weibull] {
+        let rising = Model { curve, ..MODEL };
+        let truth = Estimate { threshold: 0.4, width: 2.0, lapse: 0.02, guess: 0.5, overdispersion: 0.0 };
+        let points = study(&rising, &truth, 9, 40, &mut rng);
+        let mirrored: Vec<Point> = points.iter().map(|point| Point { x: -point.x, ..*point }).collect();
+        let [up, down] = [(&points, rising), (&mirrored, Model { falls: true, ..rising })];
+        let (up, down) = (fit(up.0, &up.1).unwrap(), fit(down.0, &down.1).unwrap());
+        let near = |l: f64, r: f64| assert!((l - r).abs() < 1e-4 * (1.0 + l.abs()), "{curve}: {up:?} {down:?}");
+        near(up.estimate.threshold, -down.estimate.threshold);
+        near(up.estimate.width, down.estimate.width);
+        near(up.slope, -down.slope);
+        near(up.threshold.low, -down.threshold.high);
+        near(up.slope_interval.low, -down.slope_interval.high);
+        assert!(down.slope < 0.0 && contains(down.slope_interval, down.slope));
+    }
+}
+
 /// A threshold and a width from the priors of psignifit for levels from −3 to 3 at distances of 1.
 fn from_priors(guess: Guess, rng: &mut ChaCha8Rng) -> Estimate {
     let mut draw = |low: f64, high: f64, density: &dyn Fn(f64) -> f64| {
