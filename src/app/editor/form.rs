@@ -58,19 +58,20 @@ impl DefinitionForm {
             folder.clone_into(&mut draft.folder);
             let name = draft.get("name").unwrap_or_else(|| "my-study".to_owned());
             draft.remove_opening_comment();
-            // A copy of `quick-copy` is `quick-copy-2`.
-            let copied = name.rsplit_once("-copy").and_then(|(first, number)| {
-                let number = if number.is_empty() { 1 } else { number.strip_prefix('-')?.parse::<u32>().ok()? };
-                Some((first, number + 1))
+            // A copy of `quick-copy` is `quick-copy-2`, and its title loses only what the copy added.
+            let number =
+                |text: &str| if text.is_empty() { Some(1) } else { text.strip_prefix('-')?.parse::<u32>().ok() };
+            let copied = name.rsplit_once("-copy").and_then(|(first, text)| Some((first, number(text)?)));
+            let (first, before) = copied.unwrap_or((&name, 0));
+            let [was, is] = [before, before.saturating_add(1)].map(|number| match number {
+                0 => [String::new(), String::new()],
+                1 => ["-copy".to_owned(), " (copy)".to_owned()],
+                _ => [format!("-copy-{number}"), format!(" (copy {number})")],
             });
-            let (first, [of_name, of_title]) = match copied {
-                Some((first, number)) => (first, [format!("-{number}"), format!(" {number}")]),
-                None => (&*name, Default::default()),
-            };
-            draft.set("name", &format!("{first}-copy{of_name}"), Typed::Text);
+            draft.set("name", &format!("{first}{}", is[0]), Typed::Text);
             if let Some(title) = draft.get("title") {
-                let title = title.split(" (copy").next().unwrap_or_default();
-                draft.set("title", &format!("{title} (copy{of_title})"), Typed::Text);
+                let title = title.strip_suffix(&was[1]).unwrap_or(&title);
+                draft.set("title", &format!("{title}{}", is[1]), Typed::Text);
             }
             if draft.get("session.own_means").is_some() {
                 // A first look may show people their own ratings; a study begins without.
