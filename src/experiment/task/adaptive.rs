@@ -8,7 +8,7 @@ use super::{
     curve::Common,
     kind::{Given, Kind, Pick},
     options::{OptionValue, kinds, options},
-    quest::{Quest, QuestPlus, Second},
+    quest::{Quest, QuestPlus, Second, picks},
     scaling::Ranking,
     staircase::{Staircase, Stairs},
 };
@@ -62,11 +62,8 @@ impl Adaptive {
     /// Returns whether the method can choose a level.
     pub fn can_show(&self, level: f64) -> bool {
         let [low, high] = self.range();
-        if let Method::Staircase(_) = self.method {
-            (low..=high).contains(&level)
-        } else {
-            self.levels().contains(&level)
-        }
+        let levels = self.levels();
+        if levels.is_empty() { (low..=high).contains(&level) } else { levels.contains(&level) }
     }
 
     /// Returns the parameters that the method varies.
@@ -76,10 +73,7 @@ impl Adaptive {
 
     /// Returns what a trial can show at these levels.
     pub(in crate::experiment) fn picks(&self, levels: &[f64]) -> Vec<Pick> {
-        match &self.method {
-            Method::QuestPlus(quest) => quest.picks(levels),
-            _ => levels.iter().map(|level| Pick::Level(*level, None)).collect(),
-        }
+        picks(levels, self.second())
     }
 
     /// Returns the parameters with the levels that were chosen.
@@ -212,7 +206,7 @@ impl Track {
     pub fn pick(&self, draw: f64) -> Pick {
         match self {
             Self::Stairs(.., stairs) => Pick::Level(stairs.level, None),
-            Self::Quest(options, quest) => options.picks(&options.levels)[quest.choose()],
+            Self::Quest(options, quest) => picks(&options.levels, options.second.as_ref())[quest.choose()],
             Self::Levels(levels, done) => levels.get(*done).map_or(Pick::Planned, |level| Pick::Level(*level, None)),
             Self::Ranking(ranking) => Pick::Pair(ranking.choose(draw)),
         }
@@ -224,7 +218,8 @@ impl Track {
             (Self::Quest(_, quest), _) if is_catch => quest.learn(None, outcome),
             (Self::Stairs(staircase, common, stairs), _) if !is_catch => stairs.answer(outcome, staircase, common),
             (Self::Quest(options, quest), _) => {
-                let place = options.picks(&options.levels).iter().position(|other| *other == pick);
+                let all = picks(&options.levels, options.second.as_ref());
+                let place = all.iter().position(|other| *other == pick);
                 place.into_iter().for_each(|place| quest.learn(Some(place), outcome));
             }
             (Self::Levels(_, done), _) if !is_catch => *done += 1,

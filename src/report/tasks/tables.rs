@@ -2,7 +2,7 @@
 
 use super::{
     results::{Comparisons, PersonFunction, TaskResults},
-    study::{Levels, OfPerson, TaskStudy},
+    study::{Levels, Measured, OfPerson, TaskStudy},
 };
 use crate::{
     analysis::{
@@ -12,7 +12,7 @@ use crate::{
             psychometric::Point,
         },
     },
-    experiment::task::Common,
+    experiment::task::{Common, Dial},
     report::tables::Rows,
     statistics::Interval,
     text::Table,
@@ -20,20 +20,23 @@ use crate::{
 
 /// Returns the tables by the names of their files.
 pub fn tables(study: &TaskStudy, results: &TaskResults) -> Vec<(&'static str, Table)> {
-    let mut all = Vec::new();
-    if let Some(Levels { common, .. }) = &study.asked.levels
-        && !results.functions.is_empty()
-    {
-        all.push(("answers", answers(study, results, common)));
-        all.push(("thresholds", thresholds(study, results, common)));
-        all.push(("population", population(study, results, common)));
+    let mut all = match &study.asked.measured {
+        Measured::Thresholds(Levels { common, .. }) => vec![
+            ("answers", answers(study, results, common)),
+            ("thresholds", thresholds(study, results, common)),
+            ("population", population(study, results, common)),
+        ],
+        Measured::Proportions => vec![("shares", shares(study))],
+        Measured::Sensitivity => Vec::new(),
+        Measured::Settings(dial) => vec![("settings", settings(study, dial))],
+        Measured::Scale => {
+            let tables = |found| [("comparisons", comparisons(study, found)), ("scale", scale(study, found))];
+            results.comparisons.iter().flat_map(tables).collect()
+        }
+    };
+    if study.asked.has_catches() {
+        all.push(("detection", detection(study)));
     }
-    all.extend(shares(study).map(|table| ("shares", table)));
-    all.extend(detection(study).map(|table| ("detection", table)));
-    if let Some(found) = &results.comparisons {
-        all.extend([("comparisons", comparisons(study, found)), ("scale", scale(study, found))]);
-    }
-    all.extend(settings(study).map(|table| ("settings", table)));
     if !results.differences.is_empty() {
         all.push(("differences", differences(study, results)));
     }
@@ -110,26 +113,22 @@ fn population(study: &TaskStudy, results: &TaskResults, common: &Common) -> Tabl
         .table()
 }
 
-fn shares(study: &TaskStudy) -> Option<Table> {
-    let rows = study.shares();
-    let table = of_people(study, &rows)
+fn shares(study: &TaskStudy) -> Table {
+    of_people(study, &study.shares())
         .column("correct", "Number of correct answers.", |own| own.found[0])
         .column("total", "Number of trials.", |own| own.found[1])
-        .table();
-    (!rows.is_empty()).then_some(table)
+        .table()
 }
 
-fn detection(study: &TaskStudy) -> Option<Table> {
-    let rows = study.detection();
-    let table = of_people(study, &rows)
+fn detection(study: &TaskStudy) -> Table {
+    of_people(study, &study.detection())
         .column("hits", "Targets answered yes.", |own| own.found.0.hits)
         .column("misses", "Targets answered no.", |own| own.found.0.misses)
         .column("false_alarms", "Catch trials answered yes.", |own| own.found.0.false_alarms)
         .column("correct_rejections", "Catch trials answered no.", |own| own.found.0.correct_rejections)
         .column("d_prime", "Sensitivity, with the log-linear correction.", |own| Some(own.found.1?.d_prime))
         .column("criterion", "Criterion c.", |own| Some(own.found.1?.criterion))
-        .table();
-    (!rows.is_empty()).then_some(table)
+        .table()
 }
 
 /// Describes a column with the levels of a condition, and returns them.
@@ -203,17 +202,14 @@ fn scale(study: &TaskStudy, found: &Comparisons) -> Table {
         .table()
 }
 
-fn settings(study: &TaskStudy) -> Option<Table> {
-    let rows = study.settings();
-    let log = study.asked.dial.as_ref().is_some_and(|dial| dial.log);
+fn settings(study: &TaskStudy, dial: &Dial) -> Table {
     let direction =
         "Mean of settings that began in the upper half of the range minus that of those that began in the lower half.";
-    let table = of_people(study, &rows)
+    of_people(study, &study.settings())
         .column("n", "Number of settings.", |own| own.found.n)
         .column("mean", "Mean of the settings.", |own| own.found.mean)
         .column("sd", "Standard deviation of the settings.", |own| own.found.sd)
         .column("direction", direction, |own| own.found.direction)
-        .in_unit(if log { "log10 of the value" } else { "" }, 3)
-        .table();
-    (!rows.is_empty()).then_some(table)
+        .in_unit(if dial.log { "log10 of the value" } else { "" }, 3)
+        .table()
 }
