@@ -262,7 +262,7 @@ impl TaskPlan {
             let found = results.differences.iter().find(|found| found.conditions == [0, condition]);
             let turned = |Difference { mean, .. }: &Difference| Mean {
                 mean: -mean.mean,
-                interval: mean.interval.map(|interval| interval.scaled(-1.0)),
+                interval: mean.interval.map(|interval| interval.map(|end| -end)),
                 ..*mean
             };
             let truth = self.shifts[condition] - self.shifts[0];

@@ -5,17 +5,16 @@ use std::collections::BTreeMap;
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
 use rayon::prelude::*;
 
-use super::study::{Levels, Measured, OfPerson, TaskStudy};
+use super::study::{Given, Levels, Measured, OfPerson, TaskStudy};
 use crate::{
     analysis::{
         comparisons::{Drawn, Scale, Scaling, Triads, Wins},
         tasks::{
             person::Settings,
             population::{self, Difference, Mean, Population},
-            psychometric::{self, Estimate, Fit, GoodnessOfFit, Guess, Model, Point},
+            psychometric::{self, Estimate, Fit, GoodnessOfFit, Model, Point},
         },
     },
-    experiment::task::Common,
     statistics::Interval,
 };
 
@@ -145,8 +144,8 @@ impl TaskResults {
     /// the number of studies from which intervals of a scale come.
     pub fn estimated(study: &TaskStudy, draws: usize, seed: u64) -> Self {
         let mut results = Self { comparisons: comparisons(study, draws, seed), ..Self::default() };
-        if let Some(Levels { common, model, .. }) = study.asked.levels() {
-            results.functions = functions(study, common, model);
+        if let Some(Levels { model, .. }) = study.asked.levels() {
+            results.functions = functions(study, model);
             results.measure(populations(study, &results.functions, model));
         }
         results.own = results.of_each(study);
@@ -179,7 +178,7 @@ impl TaskResults {
         let threshold = |own: &PersonFunction| Some(with(own.person, own.condition, own.estimated()?.threshold));
         let mut all: Vec<OfPerson<f64>> = match study.asked.measured {
             Measured::Thresholds(_) => self.functions.iter().filter_map(threshold).collect(),
-            Measured::Proportions => study.each(|given| Some(proportion(&given.seen()))),
+            Measured::Proportions => study.each(|given| Some(proportion(&given.seen(true)))),
             Measured::Sensitivity => {
                 let own = study.detection().into_iter();
                 own.filter_map(|own| Some(with(own.person, own.condition, own.found.1?.d_prime))).collect()
@@ -254,24 +253,18 @@ fn comparisons(study: &TaskStudy, draws: usize, seed: u64) -> Option<Comparisons
     Some(Comparisons { people, scales, drawn, own, triads })
 }
 
-/// Estimates the function of each person and condition. If the guess rate is estimated, catch trials come with the answers at
-/// each level: those of the condition, whatever the level of the second parameter.
-fn functions(study: &TaskStudy, common: &Common, model: &Model) -> Vec<PersonFunction> {
-    let all = study.each(|given| {
-        let mut points = Vec::new();
-        for (level, seen, total) in given.targets.iter().filter(|(.., total)| *total > 0) {
-            Point::add(&mut points, common.scaled((*level)?), *seen, *total);
-        }
-        Some(points).filter(|points| !points.is_empty())
-    });
+/// Estimates the function of each person and condition. Catch trials come with the answers at each level: those of the
+/// condition, whatever the level of the second parameter.
+fn functions(study: &TaskStudy, model: &Model) -> Vec<PersonFunction> {
+    let targets = |given: &Given| given.points.iter().copied().filter(Point::is_target).collect::<Vec<Point>>();
+    let all = study.each(|given| Some(targets(given)).filter(|points| !points.is_empty()));
     let second = study.asked.protocol.as_ref().and_then(|protocol| protocol.adaptive.as_ref()?.second());
     let levels = second.map_or(1, |second| second.levels.len());
     let of = |condition: usize| condition / levels;
     let function = |OfPerson { person, condition, found: mut points }: OfPerson<Vec<Point>>| {
         let own = study.given.iter().filter(|(own, _)| own.1 == person && of(own.0) == of(condition));
-        for [seen, all] in own.map(|(_, given)| given.catches).filter(|[_, all]| model.guess == Guess::Free && *all > 0)
-        {
-            Point::add(&mut points, model.unseen(), seen, all);
+        for catch in own.flat_map(|(_, given)| &given.points).filter(|point| !point.is_target()) {
+            Point::add(&mut points, model.unseen(), catch.correct, catch.total);
         }
         points.sort_by(|a, b| a.x.total_cmp(&b.x));
         let levels = || points.iter().filter(|point| point.is_target()).map(|point| point.x);

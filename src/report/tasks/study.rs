@@ -9,7 +9,7 @@ use std::{
 use crate::{
     analysis::tasks::{
         person::{Answers, Detection, Settings},
-        psychometric::Model,
+        psychometric::{Model, Point},
     },
     experiment::{
         Factor, Phase, Protocol, Replayed,
@@ -262,10 +262,9 @@ pub struct TaskStudy {
 /// The answers of a person to the main trials of a condition, the last attempt of each.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Given {
-    /// Of trials with a target: the level, if there is one, in how many the target was seen or chosen, and their number.
-    pub targets: Vec<(Option<f64>, u32, u32)>,
-    /// In how many catch trials a target was seen, and their number.
-    pub catches: [u32; 2],
+    /// In how many trials the target was seen or chosen, at each level on the scale of the method; at 0 if there are no levels,
+    /// and at −∞ in catch trials.
+    pub points: Vec<Point>,
     /// The values that were set, as logarithms if the dial counts in ratios, and whether each adjustment began in the upper
     /// half of its range; `None` without a start.
     pub values: Vec<(f64, Option<bool>)>,
@@ -287,9 +286,11 @@ pub struct OfPerson<T> {
 pub type Detected = (Answers, Option<Detection>);
 
 impl Given {
-    /// Returns in how many trials with a target it was seen or chosen, and their number.
-    pub fn seen(&self) -> [u32; 2] {
-        self.targets.iter().fold([0, 0], |[right, all], (_, seen, total)| [right + seen, all + total])
+    /// Returns in how many trials with a target it was seen or chosen, and their number; those of catch trials unless
+    /// `are_targets`.
+    pub fn seen(&self, are_targets: bool) -> [u32; 2] {
+        let points = self.points.iter().filter(|point| point.is_target() == are_targets);
+        points.fold([0, 0], |[seen, all], point| [seen + point.correct, all + point.total])
     }
 }
 
@@ -380,7 +381,9 @@ impl TaskStudy {
             let of = row.factors.iter().zip(&mut found).map(|(level, known)| place(known, level.clone())).collect();
             let person = place(&mut people, row.subject.clone());
             let own = given.entry(of).or_default().entry(person).or_default();
-            own.targets.push((Some(row.level), row.correct, row.total));
+            if row.total > 0 {
+                Point::add(&mut own.points, levels.common.scaled(row.level), row.correct, row.total);
+            }
         }
         let factor = |(name, levels): (String, Vec<String>)| {
             let levels = levels.into_iter().map(|level| ParameterValue::from(level.as_str())).collect();
@@ -410,13 +413,13 @@ impl TaskStudy {
 
     /// Returns the number of correct answers of each person and condition, and of all.
     pub fn shares(&self) -> Vec<OfPerson<[u32; 2]>> {
-        self.each(|given| Some(given.seen()))
+        self.each(|given| Some(given.seen(true)))
     }
 
     /// Returns hits and false alarms of each person and condition, with sensitivity and criterion.
     pub fn detection(&self) -> Vec<OfPerson<Detected>> {
         self.each(|given| {
-            let ([hits, targets], [false_alarms, catches]) = (given.seen(), given.catches);
+            let [[hits, targets], [false_alarms, catches]] = [true, false].map(|are_targets| given.seen(are_targets));
             let (misses, correct_rejections) = (targets - hits, catches - false_alarms);
             let answers = Answers { hits, misses, false_alarms, correct_rejections };
             Some((answers, answers.detection().filter(|_| self.asked.levels().is_none())))
@@ -431,8 +434,7 @@ impl TaskStudy {
     /// Returns the number of answers.
     pub fn answers(&self) -> u64 {
         let count = |given: &Given| {
-            let targets: u64 = given.targets.iter().map(|(.., total)| u64::from(*total)).sum();
-            targets + u64::from(given.catches[1]) + given.values.len() as u64
+            given.points.iter().map(|point| u64::from(point.total)).sum::<u64>() + given.values.len() as u64
         };
         self.given.values().map(count).sum::<u64>() + self.compared.len() as u64
     }
@@ -470,10 +472,14 @@ impl TaskStudy {
                 let value = if dial.log { value.log10() } else { *value };
                 given.values.push((value, shown.start.map(|start| dial.share(start) > 0.5)));
             }
-            (_, Answer::Key(_)) if shown.target == Some(0) => {
-                given.catches = [given.catches[0] + u32::from(seen), given.catches[1] + 1];
+            (measured, Answer::Key(_)) => {
+                let x = match measured {
+                    _ if shown.target == Some(0) => f64::NEG_INFINITY,
+                    Measured::Thresholds(levels) => levels.common.scaled(shown.level?),
+                    _ => 0.0,
+                };
+                Point::add(&mut given.points, x, seen.into(), 1);
             }
-            (_, Answer::Key(_)) => given.targets.push((shown.level, seen.into(), 1)),
             (_, Answer::Value(_)) => return None,
         }
         Some(())

@@ -7,14 +7,10 @@ use super::{
 use crate::{
     analysis::{
         comparisons::Wins,
-        tasks::{
-            population::{Difference, Population},
-            psychometric::Point,
-        },
+        tasks::{population::Population, psychometric::Point},
     },
     experiment::task::{Common, Dial},
     report::tables::Rows,
-    statistics::Interval,
     text::Table,
 };
 
@@ -70,11 +66,6 @@ fn answers(study: &TaskStudy, results: &TaskResults, common: &Common) -> Table {
         .table()
 }
 
-/// Returns an interval on the scale of the levels.
-fn scaled(common: &Common, Interval { low, high }: Interval) -> Interval {
-    Interval { low: common.level(low), high: common.level(high) }
-}
-
 fn thresholds(study: &TaskStudy, results: &TaskResults, common: &Common) -> Table {
     const THRESHOLD: &str = "Level with F = 1/2; empty if the most probable one lies outside the interval and, with the \
                              values up to `lapse`, if no function describes the answers.";
@@ -85,7 +76,7 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, common: &Common) -> Tabl
     with_levels(study, with_people(study, &results.functions, |own| own.person), |own| own.condition)
         .column("trials", "Number of trials with a target.", |own| own.trials())
         .column("threshold", THRESHOLD, |own| Some(common.level(own.described()?.determined_threshold()?)))
-        .interval("threshold", "its 95 % interval", |own| Some(scaled(common, own.described()?.threshold)))
+        .interval("threshold", "its 95 % interval", |own| Some(own.described()?.threshold.map(|end| common.level(end))))
         .column("slope", SLOPE, |own| own.described()?.determined_slope())
         .in_unit("per unit of the scale of the levels", 1)
         .interval("slope", "its 95 % interval", |own| own.described()?.determined_slopes())
@@ -99,7 +90,7 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, common: &Common) -> Tabl
 }
 
 fn population(study: &TaskStudy, results: &TaskResults, common: &Common) -> Table {
-    let scaled = |(_, own): &(usize, Population)| Some(scaled(common, own.interval?));
+    let scaled = |(_, own): &(usize, Population)| Some(own.interval?.map(|end| common.level(end)));
     let mean = "Mean threshold of people, on the scale of the levels.";
     with_levels(study, Rows::new(&results.populations), |(condition, _)| *condition)
         .column("people", "Number of participants.", |(_, own)| own.contributions.len())
@@ -143,16 +134,12 @@ fn differences(study: &TaskStudy, results: &TaskResults) -> Table {
     let estimand = study.asked.estimand();
     let scaled = |value: f64| if estimand.log { f64::powf(10.0, value) } else { value };
     let what = if estimand.log { "Ratio of the first to the second." } else { "The first minus the second." };
-    let of_scale = |found: &Difference| {
-        let Interval { low, high } = found.mean.interval?;
-        Some(Interval { low: scaled(low), high: scaled(high) })
-    };
     Rows::new(&results.differences)
         .column("first", LEVELS, |found| levels(study, found.conditions[0]))
         .column("second", LEVELS, |found| levels(study, found.conditions[1]))
         .column("people", "Number of participants who have both.", |found| found.mean.people)
         .column(if estimand.log { "ratio" } else { "difference" }, what, |found| scaled(found.mean.mean))
-        .interval("ci", "its 95 % interval", of_scale)
+        .interval("ci", "its 95 % interval", |found| Some(found.mean.interval?.map(scaled)))
         .column("p", "p of the t test, with Holm’s correction for all pairs.", |found| found.p)
         .table()
 }
