@@ -36,10 +36,10 @@ impl Interval {
         (self.low..=self.high).contains(&value)
     }
 
-    /// Returns the interval of a multiple of the estimate.
+    /// Returns the interval of a function of the estimate, which rises or falls throughout.
     #[must_use]
-    pub fn scaled(self, by: f64) -> Self {
-        let (one, other) = (by * self.low, by * self.high);
+    pub fn map(self, function: impl Fn(f64) -> f64) -> Self {
+        let (one, other) = (function(self.low), function(self.high));
         Self { low: one.min(other), high: one.max(other) }
     }
 

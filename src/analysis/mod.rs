@@ -21,14 +21,12 @@ pub mod agreement;
 
 pub mod comparisons;
 pub mod counts;
-pub mod detection;
 mod frame;
 mod levels;
 mod ordinal;
 pub mod power;
 pub mod rank_tests;
 pub mod results;
-pub mod settings;
 pub mod summary;
 pub mod tasks;
 

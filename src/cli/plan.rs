@@ -98,10 +98,11 @@ fn shown(table: &Table, names: &str) -> Vec<String> {
 
 /// Says what was simulated.
 fn task(planned: &PlannedTask) -> String {
-    let PlannedTask { protocol, observer, sampling: Sampling { studies, seed, .. }, .. } = planned;
+    let PlannedTask { plan, sampling: Sampling { studies, seed, .. }, .. } = planned;
     format!(
-        "{}: {studies} studies per number of participants, seed {seed}; observer {observer}; differences and errors in {}",
-        protocol.name,
+        "{}: {studies} studies per number of participants, seed {seed}; observer {}; differences and errors in {}",
+        plan.protocol.name,
+        plan.observer,
         planned.unit(),
     )
 }

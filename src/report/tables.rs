@@ -337,9 +337,8 @@ fn coefficients(model: &Model) -> Table {
     if model.link != Link::Logit {
         return all.table();
     }
-    let odds = |i: Interval| Interval { low: i.low.exp(), high: i.high.exp() };
     all.column("odds_ratio", "Odds ratio of a higher rating.", |c| c.estimate.exp())
-        .interval("odds_ratio", "its 95 % interval", |c| c.interval.map(odds))
+        .interval("odds_ratio", "its 95 % interval", |c| Some(c.interval?.map(f64::exp)))
         .table()
 }
 

@@ -22,7 +22,7 @@ use crate::{
         tasks::{self, Levels, TaskStudy},
     },
     store::{
-        Columns, FileError, FileErrors, StoreError,
+        Columns, FileErrors, StoreError,
         answers::{self, AnswerColumns, AnswersRead},
         ratings::{ReadOptions, Source},
         table::{List, list},
@@ -187,7 +187,7 @@ impl Analyze {
         let message = format!("does not apply to {}; expected only --exclude and --seed", tasks::answers(&task));
         allow_only(self, &OF_TASKS, &message)?;
         let exclude = self.ratings.how.exclude.clone().unwrap_or_default().0;
-        Ok(Some(TaskStudy::read(paths, &exclude)?))
+        Ok(Some(TaskStudy::read(paths, &exclude).map_err(explained)?))
     }
 
     /// Takes answers at levels from a table in memory, if the fields say that it has them; `name` stands for it in messages.
@@ -222,18 +222,11 @@ impl Analyze {
             subject: self.ratings.how.subject.clone(),
             factors: factors.clone(),
         };
-        let AnswersRead { mut rows, missing, notes, errors } = read(&columns)?;
-        let all = rows.len() + missing;
+        let AnswersRead { mut rows, notes, errors } = read(&columns)?;
         let exclude = self.ratings.how.exclude.clone().unwrap_or_default().0;
-        let people: BTreeSet<&str> = rows.iter().map(|row| row.subject.as_str()).collect();
-        if let Some(unknown) = exclude.iter().find(|id| !people.contains(id.as_str())) {
-            let expected = expected_one_of(unknown, &Vec::from_iter(people));
-            return Err(RequestError::value("exclude", format!("{unknown} is not a participant; {expected}")).into());
-        }
+        let mut excluded = exclude.clone();
+        excluded.retain(|id| rows.iter().any(|row| row.subject == *id));
         rows.retain(|row| !exclude.contains(&row.subject));
-        if rows.is_empty() {
-            return Err(FileErrors::whole(path, "has no answers at levels; expected at least one").into());
-        }
         let common = Common {
             parameter: columns.level,
             log: given.log,
@@ -270,15 +263,9 @@ impl Analyze {
             (factor, levels)
         };
         let factors = factors.into_iter().map(order).collect();
-        let mut study = TaskStudy::of_answers(path, &rows, factors, Levels { common, range, model });
-        (study.excluded, study.errors) = (exclude, errors);
-        study.warnings.extend(notes);
-        if missing > 0 {
-            let (have, were) = if missing == 1 { ("has", "was") } else { ("have", "were") };
-            let message = format!("{missing} of {all} rows {have} no level or no answer, and {were} left out");
-            study.warnings.push(FileError::whole(path, message));
-        }
-        Ok(study)
+        let study = TaskStudy::of_answers(path, &rows, factors, Levels { common, range, model });
+        let study = TaskStudy { excluded, errors, warnings: notes, ..study };
+        study.without(&exclude, path).map_err(explained)
     }
 
     /// Returns the options of the analysis of ratings from this source.

@@ -9,8 +9,8 @@ use std::{
 
 use serde::Serialize;
 
-pub use super::precision::{Precision, Quantity, TaskObserver};
-use super::{Model, RequestError, Watcher, analyze, precision::TaskPlan, request::allow_only};
+pub use super::precision::{Precision, Quantity, TaskObserver, TaskPlan};
+use super::{Model, RequestError, Watcher, analyze, request::allow_only};
 use crate::{
     analysis::{
         Options,
@@ -22,7 +22,7 @@ use crate::{
     },
     report::{
         tables::Rows,
-        tasks::{TaskStudy, answers},
+        tasks::{Estimand, answers},
     },
     store::{definition, observer},
     text::{
@@ -150,13 +150,11 @@ const OF_TASKS: [&str; 7] = ["experiment", "participants", "effects", "deviation
 /// The simulated precision of a plan, and the settings on which it depends.
 #[derive(Clone, Debug)]
 pub struct PlannedTask {
-    pub protocol: Protocol,
-    pub observer: TaskObserver,
+    /// The plan with the first number of trials.
+    pub plan: TaskPlan,
     pub sampling: Sampling,
     /// For each number of trials and of participants, each quantity.
     pub found: Vec<Precision>,
-    /// The study, without answers.
-    study: TaskStudy,
 }
 
 /// What a plan found.
@@ -217,15 +215,14 @@ impl Plan {
             };
             TaskPlan::new(protocol, &shifts, &slopes, set)
         };
-        let plans = self.with_trials(&protocol)?.iter().map(plan).collect::<Result<Vec<_>, _>>()?;
+        let mut plans = self.with_trials(&protocol)?.iter().map(plan).collect::<Result<Vec<_>, _>>()?;
         let participants = in_order(&self.participants);
         let all = participants.iter().map(|people| u64::from(*people)).sum::<u64>() * u64::from(self.studies);
         let progress = progress(watcher, all * plans.len() as u64);
         let sizes = plans.iter().flat_map(|plan| participants.iter().map(move |people| (plan, *people)));
         let found = sizes.map(|(plan, people)| plan.run(people, &sampling, &progress));
         let found = found.collect::<Result<Vec<_>, _>>()?.concat();
-        let (observer, study) = (plans[0].observer().clone(), plans[0].study().clone());
-        Ok(PlannedTask { protocol, observer, sampling, found, study })
+        Ok(PlannedTask { plan: plans.swap_remove(0), sampling, found })
     }
 
     /// Returns the definition with each number of trials.
@@ -390,17 +387,18 @@ impl Planned {
 impl PlannedTask {
     /// Returns the unit of differences and errors.
     pub fn unit(&self) -> &'static str {
-        self.study.asked.estimand().unit
+        let Estimand { unit, log, .. } = self.plan.study.asked.estimand();
+        if log { "log10 units" } else { unit }
     }
 
     /// Returns what a precision is that of: `threshold of one person`, `orientation 90° − orientation 0°`.
     pub fn told(&self, quantity: &Quantity) -> String {
-        let name = self.study.asked.estimand().name;
+        let name = self.plan.study.asked.estimand().name;
         match *quantity {
             Quantity::Person => format!("{name} of one person"),
             Quantity::Mean => format!("mean {name}"),
             Quantity::Difference { condition, .. } => {
-                let [other, first] = [condition, 0].map(|condition| self.study.name(condition));
+                let [other, first] = [condition, 0].map(|condition| self.plan.study.name(condition));
                 format!("{other} − {first}")
             }
         }
@@ -418,7 +416,7 @@ impl PlannedTask {
             found.tested().filter(|truth| (*truth != 0.0) == is_true).map(|_| found.share().0)
         };
         Rows::new(&self.found)
-            .column("experiment", "Name of the definition.", |_| self.protocol.name.as_str())
+            .column("experiment", "Name of the definition.", |_| self.plan.protocol.name.as_str())
             .column("participants", "Number of participants.", |found| found.participants)
             .column("trials", "Number of trials of each condition or pair.", |found| found.trials)
             .column("estimate", "What is estimated.", |found| self.told(&found.quantity))
@@ -435,7 +433,7 @@ impl PlannedTask {
             .column("error", "Root mean square of estimate minus truth.", |found| found.error)
             .in_unit(self.unit(), 2)
             .column("seed", "Seed of the simulation.", |_| self.sampling.seed)
-            .column("observer", "Simulated observer.", |_| self.observer.to_string())
+            .column("observer", "Simulated observer.", |_| self.plan.observer.to_string())
             .table()
     }
 }

@@ -21,9 +21,9 @@ use crate::{
     },
     experiment::{
         Course, Identity, Phase, Protocol,
-        task::{Answer, Curve, Measures, Presentation, Psychometric, significant},
+        task::{Answer, Curve, Presentation, Psychometric, significant},
     },
-    report::tasks::{Asked, Levels, TaskResults, TaskStudy},
+    report::tasks::{Asked, Estimand, Levels, Measured, TaskResults, TaskStudy},
     statistics::{Interval, median},
     system::checkpoint,
 };
@@ -49,33 +49,30 @@ impl TaskObserver {
         const SPREAD: [f64; 2] = [0.0, 1e6];
         let rounded = |value: f64| format!("{value:.1e}").parse().unwrap_or(value);
         let (lapse, false_alarms) = (("lapse", 0.02, [0.0, 0.5]), ("false_alarms", 0.1, [1e-3, 0.9]));
-        let is_detection = asked.measures == Some(Measures::Detection);
-        let own = if let Some(Levels { common, range, .. }) = &asked.levels {
-            let [low, high] = range.map(|level| common.scaled(level));
-            let mut parameters = vec![
-                ("threshold", common.level(f64::midpoint(low, high)), *range),
-                ("subject_sd", rounded((high - low) / 20.0), SPREAD),
-                ("slope", rounded(6.0 / (high - low)), [1e-6, 1e6]),
-                lapse,
-            ];
-            parameters.extend(is_detection.then_some(false_alarms));
-            parameters
-        } else if let Some(dial) = &asked.dial {
-            let [low, high] = asked.estimand().ends.unwrap_or_default();
-            let spread = |parts: f64| rounded((high - low) / parts);
-            vec![
-                (asked.estimand().name, dial.at(0.5), dial.range),
-                ("subject_sd", spread(20.0), SPREAD),
-                ("sd", spread(10.0), SPREAD),
-            ]
-        } else if is_detection {
-            vec![("d_prime", 1.5, [0.0, 10.0]), ("subject_sd", 0.5, SPREAD), false_alarms]
-        } else if asked.measures == Some(Measures::Proportions) {
-            let guess = asked.protocol.as_ref().and_then(|protocol| protocol.task.guess()).unwrap_or_default();
-            vec![("proportion", f64::midpoint(guess, 1.0), [guess, 1.0]), ("subject_sd", 0.05, SPREAD)]
-        } else {
-            vec![("subject_sd", 0.5, SPREAD), lapse]
+        let mut own = match &asked.measured {
+            Measured::Thresholds(Levels { common, range, .. }) => {
+                let [low, high] = range.map(|level| common.scaled(level));
+                vec![
+                    ("threshold", common.level(f64::midpoint(low, high)), *range),
+                    ("subject_sd", rounded((high - low) / 20.0), SPREAD),
+                    ("slope", rounded(6.0 / (high - low)), [1e-6, 1e6]),
+                    lapse,
+                ]
+            }
+            Measured::Proportions => {
+                let guess = asked.protocol.as_ref().and_then(|protocol| protocol.task.guess()).unwrap_or_default();
+                vec![("proportion", f64::midpoint(guess, 1.0), [guess, 1.0]), ("subject_sd", 0.05, SPREAD)]
+            }
+            Measured::Sensitivity => vec![("d_prime", 1.5, [0.0, 10.0]), ("subject_sd", 0.5, SPREAD)],
+            Measured::Settings(dial) => {
+                let Estimand { name, ends, .. } = asked.estimand();
+                let [low, high] = ends.unwrap_or_default();
+                let [subject_sd, sd] = [20.0, 10.0].map(|parts| rounded((high - low) / parts));
+                vec![(name, dial.at(0.5), dial.range), ("subject_sd", subject_sd, SPREAD), ("sd", sd, SPREAD)]
+            }
+            Measured::Scale => vec![("subject_sd", 0.5, SPREAD), lapse],
         };
+        own.extend(asked.has_catches().then_some(false_alarms));
         Self(own)
     }
 
@@ -143,10 +140,12 @@ impl Precision {
 /// Studies of a task.
 #[derive(Clone, Debug)]
 pub struct TaskPlan {
-    protocol: Protocol,
+    /// The definition.
+    pub protocol: Protocol,
     /// A study without answers.
-    empty: TaskStudy,
-    observer: TaskObserver,
+    pub study: TaskStudy,
+    /// How participants answer.
+    pub observer: TaskObserver,
     /// By how much each condition differs from the mean.
     shifts: Vec<f64>,
     /// The factor and the standard deviation of each slope.
@@ -181,27 +180,17 @@ impl TaskPlan {
         let shifts = asked.conditions.iter().map(|levels| shift(levels)).collect();
         let slope = |slope: &Slope| Ok((slope.resolve(&asked.factors)?, slope.sd));
         let slopes = slopes.iter().map(slope).collect::<Result<_, PlanError>>()?;
-        let empty = TaskStudy { asked, ..TaskStudy::default() };
-        Ok(Self { protocol: protocol.clone(), empty, observer, shifts, slopes })
-    }
-
-    /// Returns how participants answer.
-    pub fn observer(&self) -> &TaskObserver {
-        &self.observer
-    }
-
-    /// Returns the study, without answers.
-    pub fn study(&self) -> &TaskStudy {
-        &self.empty
+        let study = TaskStudy { asked, ..TaskStudy::default() };
+        Ok(Self { protocol: protocol.clone(), study, observer, shifts, slopes })
     }
 
     /// Returns the mean value of the population, without shifts; 0 for a scale.
     fn center(&self) -> f64 {
         let value = self.observer.0[0].1;
-        match (&self.empty.asked.levels, self.empty.asked.measures) {
-            (Some(Levels { common, .. }), _) => common.scaled(value),
-            (_, Some(Measures::Comparisons)) => 0.0,
-            _ if self.empty.asked.estimand().log => value.log10(),
+        match &self.study.asked.measured {
+            Measured::Thresholds(Levels { common, .. }) => common.scaled(value),
+            Measured::Settings(dial) if dial.log => value.log10(),
+            Measured::Scale => 0.0,
             _ => value,
         }
     }
@@ -253,7 +242,7 @@ impl TaskPlan {
     /// Simulates a study; returns its estimates.
     fn estimates(&self, people: u32, study: u32, seed: u64) -> anyhow::Result<Vec<Estimate>> {
         let names = (0..people).map(|person| format!("S{person:05}")).collect();
-        let mut answered = TaskStudy { people: names, ..self.empty.clone() };
+        let mut answered = TaskStudy { people: names, ..self.study.clone() };
         let sessions = (0..people as usize).map(|person| self.session(&mut answered, person, study, seed));
         let values = sessions.collect::<anyhow::Result<Vec<Vec<f64>>>>()?;
         let results = TaskResults::estimated(&answered, DRAWS, seed ^ u64::from(study));
@@ -273,7 +262,7 @@ impl TaskPlan {
             let found = results.differences.iter().find(|found| found.conditions == [0, condition]);
             let turned = |Difference { mean, .. }: &Difference| Mean {
                 mean: -mean.mean,
-                interval: mean.interval.map(|interval| interval.scaled(-1.0)),
+                interval: mean.interval.map(|interval| interval.map(|end| -end)),
                 ..*mean
             };
             let truth = self.shifts[condition] - self.shifts[0];
@@ -310,7 +299,7 @@ impl TaskPlan {
     /// Draws the values of a participant in each condition.
     fn values(&self, rng: &mut ChaCha8Rng) -> Vec<f64> {
         let mut normal = || -> f64 { StandardNormal.sample(rng) };
-        let asked = &self.empty.asked;
+        let asked = &self.study.asked;
         let by_level = |&(factor, sd): &(usize, f64)| -> (usize, Vec<f64>) {
             (factor, asked.factors[factor].levels.iter().map(|_| sd * normal()).collect())
         };
@@ -318,7 +307,7 @@ impl TaskPlan {
         let sd = self.observer.get("subject_sd");
         let common = sd * normal();
         // What people have in common in all conditions, a scale does not show.
-        let is_scale = asked.measures == Some(Measures::Comparisons);
+        let is_scale = matches!(asked.measured, Measured::Scale);
         let value = |(levels, shift): (&Vec<usize>, &f64)| {
             let own = if is_scale { sd * normal() } else { common };
             let more: f64 = deviations.iter().map(|(factor, by_level)| by_level[levels[*factor]]).sum();
@@ -329,28 +318,29 @@ impl TaskPlan {
 
     /// Answers a trial about conditions with these values.
     fn answer(&self, shown: &Presentation, values: &[f64], rng: &mut ChaCha8Rng) -> Answer {
-        let (asked, task) = (&self.empty.asked, &self.protocol.task);
+        let (asked, task) = (&self.study.asked, &self.protocol.task);
         let [lapse, false_alarms] = ["lapse", "false_alarms"].map(|name| self.observer.get(name));
-        if let Some(dial) = &asked.dial {
-            let noise: f64 = StandardNormal.sample(rng);
-            let set = values[0] + self.observer.get("sd") * noise;
-            let set = if dial.log { f64::powf(10.0, set) } else { set };
-            return Answer::Value(significant(set.clamp(dial.range[0], dial.range[1])));
-        }
-        let chance = match (&asked.levels, shown.level, asked.measures) {
+        let chance = match &asked.measured {
+            Measured::Settings(dial) => {
+                let noise: f64 = StandardNormal.sample(rng);
+                let set = values[0] + self.observer.get("sd") * noise;
+                let set = if dial.log { f64::powf(10.0, set) } else { set };
+                return Answer::Value(significant(set.clamp(dial.range[0], dial.range[1])));
+            }
             _ if shown.target == Some(0) => false_alarms,
-            (Some(Levels { common, model, .. }), Some(level), _) => {
+            Measured::Thresholds(Levels { common, model, .. }) => {
+                let level = shown.level.unwrap_or_default();
                 let (slope, guess) = (common.sign() * self.observer.get("slope"), task.guess().unwrap_or(false_alarms));
                 // The curve's own threshold need not be where F is ½.
                 let threshold = values[0] - model.curve.inverse(0.5) / slope;
                 model.curve.probability(common.scaled(level), &Psychometric { threshold, slope, guess, lapse })
             }
-            (.., Some(Measures::Detection)) => Curve::Normal.sigmoid(values[0] + Curve::Normal.inverse(false_alarms)),
-            (.., Some(Measures::Comparisons)) => {
+            Measured::Sensitivity => Curve::Normal.sigmoid(values[0] + Curve::Normal.inverse(false_alarms)),
+            Measured::Scale => {
                 let first = Curve::Normal.sigmoid(Scaling::Thurstone.jnd() * (values[0] - values[1]));
                 lapse / 2.0 + (1.0 - lapse) * first
             }
-            _ => values[0],
+            Measured::Proportions => values[0],
         };
         let seen = rng.random::<f64>() < chance.max(task.guess().unwrap_or_default());
         let keys = self.protocol.response.categories.len().max(2) as u8;

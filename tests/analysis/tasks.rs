@@ -7,9 +7,8 @@ use std::collections::BTreeMap;
 use machband::{
     analysis::{
         comparisons::{Scaling, Triads, Wins},
-        detection::Answers,
-        settings::Settings,
         tasks::{
+            person::{Answers, Settings},
             population::{self, Mean},
             psychometric::{Estimate, Guess, Model, Point, fit, goodness_of_fit},
         },

@@ -15,7 +15,9 @@ use machband::{
 };
 
 use crate::{
-    common::{edit, fails, golden_path, json, machband, number, records, set_cell, succeeds, table, text, verified},
+    common::{
+        edit, fails, golden_path, json, machband, number, records, set_cell, split, succeeds, table, text, verified,
+    },
     recording::{SEED, identity, rate, sitting},
 };
 
@@ -58,6 +60,11 @@ fn tasks() -> Vec<(&'static str, String)> {
             format!("{DEPTHS}[task]\nkind = \"rating\"\nscale = \"slider\"\n[recovery]\nduration_s = {}\n", 1.0 / 3.0),
         ),
     ]
+}
+
+/// The tables of one of them.
+fn body(name: &str) -> String {
+    tasks().into_iter().find(|(task, _)| *task == name).unwrap().1
 }
 
 fn protocol(body: &str) -> Protocol {
@@ -147,36 +154,52 @@ fn every_task_notices_a_row_that_is_missing_and_shows_its_trial_again() {
 }
 
 #[test]
-fn a_path_that_does_not_lead_to_the_value_is_named() {
+fn a_cell_that_a_trial_cannot_have_is_named() {
     let folder = tempfile::tempdir().unwrap();
-    for name in ["adjust", "slider", "plain"] {
-        let body = tasks().into_iter().find(|(task, _)| *task == name).unwrap().1;
-        sit(&folder.path().join(name), &protocol(&body), 5);
-        let csv = csv(&folder.path().join(name));
-        let row = records(&csv).remove(3);
-        let (path, set) = (&row["path"], &row["response"]);
-        let late = format!("1000:{set}");
-        for wrong in
-            ["garbage", "1:0.2", &format!("2:0.2 1:{set}"), &format!("-1:{set}"), &format!("1:{set} "), "1:NaN", &late]
-        {
-            let original = fs::read_to_string(&csv).unwrap();
-            set_cell(&csv, 5, "path", wrong);
-            let found = verified(&csv).errors;
-            let is_named = found.len() == 1 && found[0].position == Some((5, 1));
-            assert!(is_named && found[0].message.contains(&format!("has the path {wrong:?}")), "{name}: {found:?}");
-            fs::write(&csv, original).unwrap();
+    // SET stands for what was set.
+    let paths = "garbage|1:0.2|2:0.2 1:SET|-1:SET|1:SET |1:NaN|1000:SET";
+    for (name, column, cells, first) in [
+        ("adjust", "path", paths, 3),
+        ("slider", "path", paths, 3),
+        ("plain", "path", paths, 3),
+        ("quest", "level", "0.16|0.03", 4),
+        ("quest", "correct", "0", 4),
+        ("quest", "target", "3", 4),
+        ("quest", "response", "5|yes", 4),
+    ] {
+        let results = folder.path().join(name).join(column);
+        sit(&results, &protocol(&body(name)), if column == "path" { 5 } else { usize::MAX });
+        let csv = csv(&results);
+        let (original, rows) = (fs::read_to_string(&csv).unwrap(), records(&csv));
+        for cell in cells.split('|') {
+            let row = (first..rows.len()).find(|row| rows[*row][column] != cell).unwrap();
+            let cell = cell.replace("SET", &rows[row]["response"]);
+            set_cell(&csv, row + 2, column, &cell);
+            let errors = verified(&csv).errors;
+            let of_row = errors.iter().filter(|error| error.position.is_some_and(|at| at.0 == row + 2));
+            let of_row: String = of_row.map(|error| error.message.as_str()).collect();
+            let expected = match column {
+                "path" => format!("has the path {cell:?}"),
+                "correct" => "contradicts its response; expected \"1\"".to_owned(),
+                _ => format!(" {column} "),
+            };
+            assert!(of_row.contains(&expected), "{name} {column} {cell}: {errors:?}");
+            assert!(column != "path" || errors.len() == 1, "{name} {cell}: {errors:?}");
+            fs::write(&csv, &original).unwrap();
         }
-        assert_eq!(verified(&csv).errors, [], "{name} {path}");
+        assert_eq!(verified(&csv).errors, [], "{name}");
+        // Its rows are not answers at levels: practice and earlier attempts are among them.
+        let line = format!("analyze {} --level=level --correct=correct --guess=0.5 --out=a", csv.display());
+        let told = fails(folder.path(), &split(&line), 1);
+        assert!(told.contains("has the rows of a session") && told.contains("expected the folder"), "{told}");
     }
 }
 
 #[test]
 fn an_altered_answer_is_found_by_the_trials_that_no_longer_follow() {
-    let (mut altered, mut without_effect) = (0, Vec::new());
-    for (name, body) in
-        tasks().into_iter().filter(|(name, _)| ["quest", "two", "stairs", "yes", "ranking"].contains(name))
-    {
-        let protocol = protocol(&body);
+    let (mut altered, mut without_effect) = (0, 0);
+    for name in ["quest", "two", "stairs", "yes", "ranking"] {
+        let protocol = protocol(&body(name));
         let folder = tempfile::tempdir().unwrap();
         sit(folder.path(), &protocol, usize::MAX);
         let csv = csv(folder.path());
@@ -206,33 +229,13 @@ fn an_altered_answer_is_found_by_the_trials_that_no_longer_follow() {
                     assert!(error.position.unwrap().0 > row + 2, "{error}");
                     altered += 1;
                 }
-                None => without_effect.push(format!("{name} {row}")),
+                None => without_effect += 1,
             }
         }
         fs::write(&csv, &text).unwrap();
         assert!(verified(&csv).errors.iter().all(|error| error.position.is_none()));
     }
-    println!("{altered} found; without an effect on later trials: {without_effect:?}");
-    assert!(altered >= 100 && without_effect.len() * 15 <= altered, "{altered} {without_effect:?}");
-}
-
-#[test]
-fn a_wrong_level_target_or_mark_is_named() {
-    let folder = tempfile::tempdir().unwrap();
-    sit(folder.path(), &protocol(&tasks().remove(0).1), usize::MAX);
-    let csv = csv(folder.path());
-    let (text, rows) = (fs::read_to_string(&csv).unwrap(), records(&csv));
-    for change in ["level 0.16", "level 0.03", "correct 0", "target 3", "response 5", "response yes"] {
-        let (column, value) = change.split_once(' ').unwrap();
-        let line = 2 + (4..rows.len()).find(|row| rows[*row][column] != value).unwrap();
-        fs::write(&csv, &text).unwrap();
-        set_cell(&csv, line, column, value);
-        let errors = verified(&csv).errors;
-        let of_row = errors.iter().filter(|error| error.position.is_some_and(|at| at.0 == line));
-        let of_row: String = of_row.map(|error| error.message.as_str()).collect();
-        assert!(of_row.contains(&format!(" {column} ")), "{change}: {errors:?}");
-        assert_eq!(of_row.contains("contradicts its response; expected \"1\""), column == "correct", "{errors:?}");
-    }
+    assert!(altered >= 100 && without_effect * 15 <= altered, "{altered} {without_effect}");
 }
 
 #[test]
@@ -282,9 +285,9 @@ fn staircases_follow_their_rules() {
     let common = Common { log: false, ..Common::default() };
     let stairs = Staircase { start: 10.0, low: 0.0, high: 20.0, steps: vec![4.0, 2.0, 1.0], ..Staircase::default() };
     let run = |stairs: &Staircase, common: &Common, answers: &str| {
-        let mut state = Stairs::new(stairs);
+        let mut state = Stairs::new(stairs, common);
         let step = |answer| {
-            state.answer(answer == '1', stairs, common);
+            state.answer(answer == '1');
             state.level
         };
         (answers.chars().map(step).collect::<Vec<f64>>(), state.reversals)
@@ -463,11 +466,8 @@ fn every_task_is_analyzed_and_none_is_taken_for_ratings() {
 fn answers_are_analyzed_as_they_were_recorded() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
-    fs::write(
-        at("tasks.toml"),
-        format!("{HEAD}{DEPTHS}repetitions = 8\n{}", YES_NO.replace("depth = \"inf\"", "width = 0")),
-    )
-    .unwrap();
+    let body = body("signal");
+    fs::write(at("tasks.toml"), format!("{HEAD}{body}")).unwrap();
     succeeds(folder.path(), &["simulate", "tasks.toml", "--participants", "3", "--results", "results"]);
     let analyze = |paths: &[&str]| {
         machband(folder.path(), &[&["analyze", "--out=a", "--force", "--tables-only"], paths].concat())
@@ -531,15 +531,4 @@ fn unconnected_comparisons_have_scales_of_their_own() {
     // The scale of all people comes first, and then that of each.
     let people: Vec<&str> = rows.iter().step_by(4).map(|row| &*row["subject_id"]).collect();
     assert_eq!(people, ["", "S001", "S002", "S003", "S004"]);
-}
-
-/// The rows of a session are not answers at levels: practice and catch trials and earlier attempts are among them.
-#[test]
-fn a_session_is_no_table_of_answers() {
-    let folder = tempfile::tempdir().unwrap();
-    sit(folder.path(), &protocol(&tasks().remove(0).1), usize::MAX);
-    let csv = csv(folder.path()).to_string_lossy().into_owned();
-    let columns = ["--level=level", "--correct=correct", "--guess=0.5", "--out=a"];
-    let told = fails(folder.path(), &[&["analyze", &csv], &columns[..]].concat(), 1);
-    assert!(told.contains("has the rows of a session") && told.contains("expected the folder"), "{told}");
 }

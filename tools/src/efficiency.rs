@@ -28,7 +28,7 @@ fn unit(rng: &mut ChaCha8Rng) -> f64 {
 /// A method as a session runs it.
 enum Run {
     Quest(Quest),
-    Stairs(Stairs, Staircase, Common),
+    Stairs(Stairs),
     Constant(Vec<f64>),
 }
 
@@ -41,13 +41,13 @@ fn estimated(mut run: Run, levels: &[f64], trials: usize, rng: &mut ChaCha8Rng) 
                 let index = quest.choose();
                 (levels[index], index)
             }
-            Run::Stairs(stairs, _, common) => (common.scaled(stairs.level), 0),
+            Run::Stairs(stairs) => (stairs.level.log10(), 0),
             Run::Constant(levels) => (levels[trial % levels.len()], 0),
         };
         let seen = unit(rng) < Curve::Weibull.probability(x, &TRUTH);
         match &mut run {
             Run::Quest(quest) => quest.learn(Some(index), seen),
-            Run::Stairs(stairs, staircase, common) => stairs.answer(seen, staircase, common),
+            Run::Stairs(stairs) => stairs.answer(seen),
             Run::Constant(_) => {}
         }
         Point::add(&mut points, x, seen.into(), 1);
@@ -82,7 +82,7 @@ fn error(method: &str, trials: usize) -> f64 {
                 "quest-plus" | "one slope" => Run::Quest(quest.clone()),
                 "staircase" => {
                     let staircase = Staircase { start: 0.5, low: 0.005, high: 0.8, ..Staircase::default() };
-                    Run::Stairs(Stairs::new(&staircase), staircase, Common::default())
+                    Run::Stairs(Stairs::new(&staircase, &Common::default()))
                 }
                 // Seven levels over the whole range, as where nothing is known; or around the threshold.
                 "constant" => Run::Constant((0..7).map(|i| -2.3 + 0.366 * f64::from(i)).collect()),

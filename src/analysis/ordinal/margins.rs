@@ -245,7 +245,7 @@ fn compare(
     // A difference from the baseline is a coefficient.
     let interval = |level: u32, lower: u32| match (scope, column(level), column(lower)) {
         (Scope::All, Some(one), None) => model.coefficients[one].interval,
-        (Scope::All, None, Some(other)) => Some(model.coefficients[other].interval?.scaled(-1.0)),
+        (Scope::All, None, Some(other)) => Some(model.coefficients[other].interval?.map(|end| -end)),
         _ => None,
     };
     let pairs_of = |stratum: Option<u32>| {

@@ -67,14 +67,13 @@ pub fn fit(points: &[Point], model: &Model) -> Result<Fit, &'static str> {
     let masses = posterior.masses(&maxima);
     // The slope is that of width 1, divided by the relative width.
     let steepest = model.slope_at_threshold(1.0, 0.0, 0.0).abs();
-    let relative = exp(masses.relative_width());
-    let slope = Interval { low: steepest / relative.high, high: steepest / relative.low };
+    let slope = masses.relative_width().map(|ln_width| steepest / ln_width.exp());
     Ok(Fit {
         estimate,
         threshold: masses.interval(THRESHOLD),
-        width: exp(masses.interval(WIDTH)),
+        width: masses.interval(WIDTH).map(f64::exp),
         slope: model.slope_at_threshold(estimate.width, estimate.lapse, estimate.guess),
-        slope_interval: if model.falls { slope.scaled(-1.0) } else { slope },
+        slope_interval: if model.falls { slope.map(|end| -end) } else { slope },
         is_steep: estimate.width < 2.0 * gap(posterior.points.iter(), estimate.threshold),
     })
 }
@@ -139,8 +138,4 @@ fn deviance(points: &[Point], model: &Model, at: &Estimate) -> f64 {
         term(k, n * chance) + term(n - k, n * (1.0 - chance))
     });
     terms.sum()
-}
-
-fn exp(interval: Interval) -> Interval {
-    Interval { low: interval.low.exp(), high: interval.high.exp() }
 }

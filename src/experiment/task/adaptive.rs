@@ -8,7 +8,7 @@ use super::{
     curve::Common,
     kind::{Given, Kind, Pick},
     options::{OptionValue, kinds, options},
-    quest::{Quest, QuestPlus, Second},
+    quest::{Quest, QuestPlus, Second, picks},
     scaling::Ranking,
     staircase::{Staircase, Stairs},
 };
@@ -62,11 +62,8 @@ impl Adaptive {
     /// Returns whether the method can choose a level.
     pub fn can_show(&self, level: f64) -> bool {
         let [low, high] = self.range();
-        if let Method::Staircase(_) = self.method {
-            (low..=high).contains(&level)
-        } else {
-            self.levels().contains(&level)
-        }
+        let levels = self.levels();
+        if levels.is_empty() { (low..=high).contains(&level) } else { levels.contains(&level) }
     }
 
     /// Returns the parameters that the method varies.
@@ -76,10 +73,7 @@ impl Adaptive {
 
     /// Returns what a trial can show at these levels.
     pub(in crate::experiment) fn picks(&self, levels: &[f64]) -> Vec<Pick> {
-        match &self.method {
-            Method::QuestPlus(quest) => quest.picks(levels),
-            _ => levels.iter().map(|level| Pick::Level(*level, None)).collect(),
-        }
+        picks(levels, self.second())
     }
 
     /// Returns the parameters with the levels that were chosen.
@@ -159,8 +153,8 @@ impl Adaptive {
 /// A method at some trial.
 #[derive(Clone, Debug)]
 pub enum Track {
-    /// A staircase, with what the definition says about it.
-    Stairs(Staircase, Common, Stairs),
+    /// A staircase.
+    Stairs(Stairs),
     /// QUEST+, with what the definition says about it.
     Quest(QuestPlus, Quest),
     /// The levels of constant stimuli in their order, and the number of those that are done.
@@ -178,9 +172,7 @@ impl Track {
         generator: impl Fn(usize) -> ChaCha8Rng,
     ) -> Vec<Self> {
         match method {
-            Method::Staircase(staircase) => {
-                vec![Self::Stairs(staircase.clone(), common.clone(), Stairs::new(staircase)); count]
-            }
+            Method::Staircase(staircase) => vec![Self::Stairs(Stairs::new(staircase, common)); count],
             // All conditions share what was prepared.
             Method::QuestPlus(quest) => vec![Self::Quest(quest.clone(), quest.prepare(common, guess)); count],
             Method::Constant(constant) => {
@@ -201,7 +193,7 @@ impl Track {
     /// Returns whether the method has learned enough.
     pub fn is_over(&self) -> bool {
         match self {
-            Self::Stairs(staircase, _, stairs) => stairs.is_over(staircase),
+            Self::Stairs(stairs) => stairs.is_over(),
             Self::Quest(options, quest) => options.stop_width.is_some_and(|width| quest.width <= width),
             Self::Levels(levels, done) => *done >= levels.len(),
             Self::Ranking(_) => false,
@@ -211,8 +203,8 @@ impl Track {
     /// Returns what the next trial shows. `draw` is uniform in 0…1.
     pub fn pick(&self, draw: f64) -> Pick {
         match self {
-            Self::Stairs(.., stairs) => Pick::Level(stairs.level, None),
-            Self::Quest(options, quest) => options.picks(&options.levels)[quest.choose()],
+            Self::Stairs(stairs) => Pick::Level(stairs.level, None),
+            Self::Quest(options, quest) => picks(&options.levels, options.second.as_ref())[quest.choose()],
             Self::Levels(levels, done) => levels.get(*done).map_or(Pick::Planned, |level| Pick::Level(*level, None)),
             Self::Ranking(ranking) => Pick::Pair(ranking.choose(draw)),
         }
@@ -222,9 +214,10 @@ impl Track {
     pub fn learn(&mut self, pick: Pick, outcome: bool, is_catch: bool) {
         match (self, pick) {
             (Self::Quest(_, quest), _) if is_catch => quest.learn(None, outcome),
-            (Self::Stairs(staircase, common, stairs), _) if !is_catch => stairs.answer(outcome, staircase, common),
+            (Self::Stairs(stairs), _) if !is_catch => stairs.answer(outcome),
             (Self::Quest(options, quest), _) => {
-                let place = options.picks(&options.levels).iter().position(|other| *other == pick);
+                let all = picks(&options.levels, options.second.as_ref());
+                let place = all.iter().position(|other| *other == pick);
                 place.into_iter().for_each(|place| quest.learn(Some(place), outcome));
             }
             (Self::Levels(_, done), _) if !is_catch => *done += 1,

@@ -1,7 +1,7 @@
 //! Forced choice: one of two or four stimuli is the target, and participants say which.
 
 use super::{
-    kind::{Answer, Given, Kind, Layout, Measures, Presentation, Senses, Settings, Turn, strongest},
+    kind::{Answer, Given, Kind, Layout, Measures, Presentation, Settings, Turn},
     options::{OptionValue, options},
 };
 use crate::{
@@ -92,10 +92,6 @@ impl Kind for Choice {
 
     fn feedback(&self) -> bool {
         self.feedback
-    }
-
-    fn answer(&self, shown: &Presentation, senses: Senses<'_>) -> Answer {
-        strongest(shown, senses)
     }
 
     fn measures(&self) -> Measures {

@@ -59,6 +59,11 @@ impl Curve {
     }
 }
 
+/// Returns the entropy of an answer with this probability, nats.
+pub(super) fn entropy(p: f64) -> f64 {
+    [p, 1.0 - p].into_iter().filter(|p| *p > 0.0).map(|p| -p * p.ln()).sum()
+}
+
 named! {
     /// The end of the levels at which the target is easier to see.
     Easier, EasierError {

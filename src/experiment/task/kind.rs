@@ -398,15 +398,12 @@ pub trait Kind {
             Answer::Value(value) => value.to_string(),
         }
     }
-    /// Returns the answer of a simulated observer.
-    fn answer(&self, shown: &Presentation, senses: Senses<'_>) -> Answer;
+    /// Returns the answer of a simulated observer: by default, the stimulus that it sees most strongly.
+    fn answer(&self, shown: &Presentation, senses: Senses<'_>) -> Answer {
+        let seen: Vec<f64> = shown.stimuli.iter().map(senses.noisy).collect();
+        let best = (0..seen.len()).fold(0, |best, place| if seen[place] > seen[best] { place } else { best });
+        Answer::Key(best as u8)
+    }
     /// Returns what the answers are analyzed as.
     fn measures(&self) -> Measures;
-}
-
-/// Returns the number of the stimulus that is seen most strongly.
-pub(super) fn strongest(shown: &Presentation, senses: Senses<'_>) -> Answer {
-    let seen: Vec<f64> = shown.stimuli.iter().map(senses.noisy).collect();
-    let best = (0..seen.len()).fold(0, |best, place| if seen[place] > seen[best] { place } else { best });
-    Answer::Key(best as u8)
 }

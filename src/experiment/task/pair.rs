@@ -1,7 +1,7 @@
 //! Paired comparison: which of two stimuli has more of what the question asks about?
 
 use super::{
-    kind::{Answer, Given, Kind, Layout, Measures, Presentation, Senses, Settings, Turn, strongest},
+    kind::{Answer, Given, Kind, Layout, Measures, Presentation, Settings, Turn},
     options::{OptionValue, options},
 };
 use crate::{
@@ -163,10 +163,6 @@ impl Kind for Pair {
 
     fn guess(&self) -> Option<f64> {
         Some(0.0)
-    }
-
-    fn answer(&self, shown: &Presentation, senses: Senses<'_>) -> Answer {
-        strongest(shown, senses)
     }
 
     fn measures(&self) -> Measures {

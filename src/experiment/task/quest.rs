@@ -6,7 +6,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Deserializer, Serialize, de::Error as _};
 
 use super::{
-    curve::{Common, Curve, Psychometric},
+    curve::{Common, Curve, Psychometric, entropy},
     kind::Pick,
     options::{OptionValue, options},
 };
@@ -137,13 +137,6 @@ impl QuestPlus {
         }
     }
 
-    /// Returns what a trial can show at these levels: each with each of the second parameter.
-    pub(super) fn picks(&self, levels: &[f64]) -> Vec<Pick> {
-        let second = |second: &Second| second.levels.iter().copied().map(Some).collect();
-        let seconds: Vec<Option<f64>> = self.second.as_ref().map_or_else(|| vec![None], second);
-        levels.iter().flat_map(|x| seconds.iter().map(|y| Pick::Level(*x, *y))).collect()
-    }
-
     /// Returns the levels on the scale of the method, with the distances of those of the second parameter from their middle.
     fn stimuli(&self, common: &Common) -> Vec<(f64, f64)> {
         let seconds = self.second.iter().flat_map(|second| &second.levels).map(|y| common.scaled(*y));
@@ -152,7 +145,7 @@ impl QuestPlus {
             Pick::Level(x, y) => (common.scaled(x), y.map_or(0.0, |y| common.scaled(y) - (low + high) / 2.0)),
             _ => (f64::NAN, 0.0),
         };
-        self.picks(&self.levels).into_iter().map(stimulus).collect()
+        picks(&self.levels, self.second.as_ref()).into_iter().map(stimulus).collect()
     }
 
     fn grid(&self, common: &Common, guess: Option<f64>) -> Grid {
@@ -180,6 +173,13 @@ impl QuestPlus {
         let grid = self.grid(common, guess);
         Quest::new(self.function, common.sign(), &self.stimuli(common), grid)
     }
+}
+
+/// Returns what a trial can show at these levels: each with each of a second parameter.
+pub(super) fn picks(levels: &[f64], second: Option<&Second>) -> Vec<Pick> {
+    let of_second = |second: &Second| second.levels.iter().copied().map(Some).collect();
+    let seconds: Vec<Option<f64>> = second.map_or_else(|| vec![None], of_second);
+    levels.iter().flat_map(|x| seconds.iter().map(|y| Pick::Level(*x, *y))).collect()
 }
 
 /// The possible values of each parameter.
@@ -237,11 +237,6 @@ pub struct Quest {
     pub width: f64,
 }
 
-/// −p ln p.
-fn surprise(p: f64) -> f64 {
-    if p > 0.0 { -p * p.ln() } else { 0.0 }
-}
-
 impl Quest {
     /// Begins with equal probabilities. `sign` is −1 if higher levels are harder. A stimulus is its level and how far the
     /// second parameter is from its middle.
@@ -255,7 +250,7 @@ impl Quest {
             cells.iter().map(seen).collect()
         };
         let likelihood: Vec<Vec<f64>> = stimuli.iter().map(likelihood_at).collect();
-        let entropy_of = |row: &Vec<f64>| row.iter().map(|p| surprise(*p) + surprise(1.0 - p)).collect();
+        let entropy_of = |row: &Vec<f64>| row.iter().map(|p| entropy(*p)).collect();
         let entropy = likelihood.iter().map(entropy_of).collect();
         let posterior = vec![1.0 / cells.len() as f64; cells.len()];
         let mut quest = Self { tables: Arc::new(Tables { cells, likelihood, entropy }), posterior, width: 0.0 };
@@ -266,13 +261,13 @@ impl Quest {
     /// Returns the number of the stimulus whose outcome is expected to leave the least entropy. It is that of the
     /// posterior, plus the expected entropy of the outcome given the parameters, minus the entropy of the outcome.
     pub fn choose(&self) -> usize {
-        let expected = |(likelihood, entropy): (&Vec<f64>, &Vec<f64>)| {
+        let expected = |(likelihood, entropies): (&Vec<f64>, &Vec<f64>)| {
             let (mut seen, mut inner) = (0.0, 0.0);
-            for ((p, l), h) in self.posterior.iter().zip(likelihood).zip(entropy) {
+            for ((p, l), h) in self.posterior.iter().zip(likelihood).zip(entropies) {
                 seen += p * l;
                 inner += p * h;
             }
-            inner - surprise(seen) - surprise(1.0 - seen)
+            inner - entropy(seen)
         };
         let all: Vec<f64> = self.tables.likelihood.iter().zip(&self.tables.entropy).map(expected).collect();
         let least = all.iter().copied().fold(f64::INFINITY, f64::min);

@@ -4,7 +4,7 @@
 use nalgebra::{Cholesky, DMatrix, DVector};
 use serde::Serialize;
 
-use super::curve::Curve;
+use super::curve::{Curve, entropy};
 
 /// How often each item (row) was chosen over each other (column).
 pub type Wins = DMatrix<f64>;
@@ -110,10 +110,6 @@ pub struct Ranking {
     wins: Wins,
     mode: DVector<f64>,
     covariance: DMatrix<f64>,
-}
-
-fn entropy(p: f64) -> f64 {
-    [p, 1.0 - p].into_iter().filter(|p| *p > 0.0).map(|p| -p * p.ln()).sum()
 }
 
 impl Ranking {

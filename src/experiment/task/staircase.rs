@@ -51,6 +51,8 @@ impl Staircase {
 /// A staircase at some trial.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stairs {
+    /// What the definition says.
+    options: (Staircase, Common),
     /// The level of the next trial.
     pub level: f64,
     /// How often the direction of the steps has changed.
@@ -64,12 +66,14 @@ pub struct Stairs {
 
 impl Stairs {
     /// Begins at the first level.
-    pub fn new(staircase: &Staircase) -> Self {
-        Self { level: staircase.start, reversals: 0, right: 0, wrong: 0, harder: None }
+    pub fn new(staircase: &Staircase, common: &Common) -> Self {
+        let options = (staircase.clone(), common.clone());
+        Self { options, level: staircase.start, reversals: 0, right: 0, wrong: 0, harder: None }
     }
 
     /// Takes an answer. At a reversal, the new step size applies at once.
-    pub fn answer(&mut self, right: bool, staircase: &Staircase, common: &Common) {
+    pub fn answer(&mut self, right: bool) {
+        let (staircase, common) = &self.options;
         (self.right, self.wrong) = if right { (self.right + 1, 0) } else { (0, self.wrong + 1) };
         let harder = self.right >= staircase.down;
         if !harder && self.wrong < staircase.up {
@@ -87,7 +91,7 @@ impl Stairs {
     }
 
     /// Returns whether it is over.
-    pub fn is_over(&self, staircase: &Staircase) -> bool {
-        staircase.reversals.is_some_and(|most| self.reversals >= most)
+    pub fn is_over(&self) -> bool {
+        self.options.0.reversals.is_some_and(|most| self.reversals >= most)
     }
 }

@@ -3,14 +3,14 @@
 use super::{
     results::{PersonFunction, TaskResults},
     sections,
-    study::{Asked, Estimand, Levels, TaskStudy, scaled},
+    study::{Asked, Estimand, Levels, Measured, TaskStudy, scaled},
 };
 use crate::{
     analysis::tasks::{
         population::Mean,
         psychometric::{Guess, Model},
     },
-    experiment::task::{Curve, Measures},
+    experiment::task::Curve,
     report::{
         document::{Document, Section, TableOf, count, list, p_is, short_list, unit, whole, with_interval},
         figures::Figure,
@@ -29,10 +29,10 @@ pub fn document(
     sections.extend(sections::of_results(study, results, figures));
     sections.push(methods(study, results));
     sections.extend(provenance.map(|provenance| repeat(study, provenance)));
-    let Asked { title, task, protocol, .. } = &study.asked;
+    let Asked { title, protocol, .. } = &study.asked;
     let subtitle = match protocol {
-        Some(protocol) => format!("Experiment {}: {task}", protocol.name),
-        None => format!("A {task}"),
+        Some(protocol) => format!("Experiment {}: task {}", protocol.name, protocol.task.name()),
+        None => "A table of answers".to_owned(),
     };
     Document { title: title.clone(), subtitle, sections }
 }
@@ -55,7 +55,7 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
     }
     section.list(means(study, results));
     section.list(results.comparisons.iter().flat_map(|found| sections::order(study, found)).collect());
-    if let Some(levels) = &study.asked.levels {
+    if let Some(levels) = study.asked.levels() {
         not_measured(&mut section, study, results, levels);
     }
     compared(&mut section, study, results);
@@ -65,15 +65,15 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
 /// Says what the mean of each condition is. Values of a scale mean something only beside each other.
 fn means(study: &TaskStudy, results: &TaskResults) -> Vec<String> {
     let estimand = study.asked.estimand();
-    let guess = match (&study.asked.protocol, study.shares().is_empty()) {
-        (Some(protocol), false) => format!("; guessing gives {}", unit(protocol.task.guess())),
+    let guess = match (&study.asked.measured, &study.asked.protocol) {
+        (Measured::Proportions, Some(protocol)) => format!("; guessing gives {}", unit(protocol.task.guess())),
         _ => String::new(),
     };
     let kind = if estimand.log { "geometric mean " } else { "mean " };
     let of_condition = |condition: usize| {
         let (at, found) = (study.at(condition), results.means.iter().find(|(of, _)| *of == condition));
         let Some((_, Mean { mean, interval, people })) = found else {
-            return (!study.detection().is_empty() && study.asked.levels.is_none())
+            return matches!(study.asked.measured, Measured::Sensitivity)
                 .then(|| format!("There is no d’{at}, because no participant had both targets and catch trials."));
         };
         let (kind, over) = match *people {
@@ -156,13 +156,14 @@ fn compared(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
 fn data(study: &TaskStudy, figures: &[Figure]) -> Section {
     let mut section = Section::new("data", "Data");
     let asked = &study.asked;
-    let mut facts = vec![("Task", asked.task.clone())];
+    let mut facts = Vec::new();
     if let Some(protocol) = &asked.protocol {
+        facts.push(("Task", protocol.task.name().to_owned()));
         facts.push(("Question", protocol.response.question.clone()));
         facts.push(("Sessions", whole(study.files.len() as u64).to_string()));
     }
     facts.extend([("Participants", short_list(&study.people, 20)), ("Answers", whole(study.answers()).to_string())]);
-    if let Some(Levels { common, range: [low, high], .. }) = &asked.levels {
+    if let Some(Levels { common, range: [low, high], .. }) = asked.levels() {
         let name = study.asked.factor(&common.parameter);
         facts.push(("Levels", format!("{name} from {low} to {high}")));
     }
@@ -187,18 +188,20 @@ fn reversed(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
 
 fn methods(study: &TaskStudy, results: &TaskResults) -> Section {
     let mut section = Section::new("methods", "Methods");
-    let how = match study.asked.measures {
-        Some(Measures::Proportions) => " An answer counts as seen if the target was chosen.",
-        Some(Measures::Detection) if study.asked.levels.is_some() => {
+    let how = match (&study.asked.measured, study.asked.has_catches()) {
+        (Measured::Thresholds(_), true) => {
             " An answer counts as seen if it was yes; catch trials show no target, so F is 0 there, and their answers determine γ."
         }
-        Some(Measures::Detection) => " An answer counts as seen if it was yes; catch trials show no target.",
+        (_, true) => " An answer counts as seen if it was yes; catch trials show no target.",
+        (Measured::Thresholds(_) | Measured::Proportions, false) => {
+            " An answer counts as seen if the target was chosen."
+        }
         _ => "",
     };
-    if study.asked.measures.is_some() {
+    if study.asked.protocol.is_some() {
         section.text(format!("Practice trials are left out, and the last attempt of a corrected trial counts.{how}"));
     }
-    let levels = study.asked.levels.as_ref().filter(|_| !results.functions.is_empty());
+    let levels = study.asked.levels();
     if let Some(Levels { model, .. }) = levels {
         section.text(model_of_a_person(model));
         if !results.populations.is_empty() {

@@ -33,7 +33,7 @@ fn measured(study: &TaskStudy, results: &TaskResults) -> impl Iterator<Item = us
 }
 
 fn functions(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
-    let Levels { common, range, model, .. } = study.asked.levels.as_ref()?;
+    let Levels { common, range, model, .. } = study.asked.levels()?;
     let range = range.map(|level| common.scaled(level));
     let curve = |condition: usize| {
         let own = results.functions.iter().filter(|function| function.condition == condition);
@@ -74,7 +74,7 @@ fn functions(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
 }
 
 fn thresholds(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
-    let common = &study.asked.levels.as_ref()?.common;
+    let common = &study.asked.levels()?.common;
     let series = |condition: usize| {
         let own = |person: usize| {
             let mut all = results.functions.iter();

@@ -5,16 +5,16 @@ use std::collections::BTreeMap;
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
 use rayon::prelude::*;
 
-use super::study::{Levels, OfPerson, TaskStudy};
+use super::study::{Given, Levels, Measured, OfPerson, TaskStudy};
 use crate::{
     analysis::{
         comparisons::{Drawn, Scale, Scaling, Triads, Wins},
         tasks::{
+            person::Settings,
             population::{self, Difference, Mean, Population},
-            psychometric::{self, Estimate, Fit, GoodnessOfFit, Guess, Model, Point},
+            psychometric::{self, Estimate, Fit, GoodnessOfFit, Model, Point},
         },
     },
-    experiment::task::Common,
     statistics::Interval,
 };
 
@@ -129,7 +129,7 @@ impl TaskResults {
     /// Analyzes a study. `seed` is that of simulated studies.
     pub fn of(study: &TaskStudy, seed: u64) -> Self {
         let mut results = Self::estimated(study, SIMULATIONS, seed);
-        if let Some(Levels { model, .. }) = &study.asked.levels {
+        if let Some(Levels { model, .. }) = study.asked.levels() {
             results.functions.par_iter_mut().enumerate().for_each(|(index, own)| {
                 let mut rng = ChaCha8Rng::seed_from_u64(seed);
                 rng.set_stream(index as u64);
@@ -144,8 +144,8 @@ impl TaskResults {
     /// the number of studies from which intervals of a scale come.
     pub fn estimated(study: &TaskStudy, draws: usize, seed: u64) -> Self {
         let mut results = Self { comparisons: comparisons(study, draws, seed), ..Self::default() };
-        if let Some(Levels { common, model, .. }) = &study.asked.levels {
-            results.functions = functions(points(study, common, model), model);
+        if let Some(Levels { model, .. }) = study.asked.levels() {
+            results.functions = functions(study, model);
             results.measure(populations(study, &results.functions, model));
         }
         results.own = results.of_each(study);
@@ -172,21 +172,29 @@ impl TaskResults {
         }
     }
 
-    /// Returns what is estimated for each person: only one of these kinds is.
+    /// Returns what is estimated for each person.
     fn of_each(&self, study: &TaskStudy) -> Vec<OfPerson<f64>> {
-        let thresholds = self.functions.iter();
-        let thresholds = thresholds.filter_map(|own| Some((own.person, own.condition, own.estimated()?.threshold)));
-        let shares = study.shares().into_iter().map(|own| (own.person, own.condition, proportion(&own.found)));
-        let sensitivities = study.detection().into_iter();
-        let sensitivities = sensitivities.filter_map(|own| Some((own.person, own.condition, own.found.1?.d_prime)));
-        let settings = study.settings().into_iter().map(|own| (own.person, own.condition, own.found.mean));
-        let scales = self.comparisons.iter().flat_map(|found| found.own.iter().enumerate());
-        let scales = scales.filter_map(|(person, scales)| Some((person, &scales.as_ref()?[0].values)));
-        let scales =
-            scales.flat_map(|(person, values)| values.iter().enumerate().map(move |(i, value)| (person, i, *value)));
-        let all = thresholds.chain(shares).chain(sensitivities).chain(settings).chain(scales);
-        let all = all.map(|(person, condition, found)| OfPerson { person, condition, found });
-        all.filter(|own| !own.found.is_nan()).collect()
+        let with = |person, condition, found| OfPerson { person, condition, found };
+        let threshold = |own: &PersonFunction| Some(with(own.person, own.condition, own.estimated()?.threshold));
+        let mut all: Vec<OfPerson<f64>> = match study.asked.measured {
+            Measured::Thresholds(_) => self.functions.iter().filter_map(threshold).collect(),
+            Measured::Proportions => study.each(|given| Some(proportion(&given.seen(true)))),
+            Measured::Sensitivity => {
+                let own = study.detection().into_iter();
+                own.filter_map(|own| Some(with(own.person, own.condition, own.found.1?.d_prime))).collect()
+            }
+            Measured::Settings(_) => study.each(|given| Some(Settings::of(&given.values)?.mean)),
+            Measured::Scale => {
+                let people = self.comparisons.iter().flat_map(|found| found.own.iter().enumerate());
+                let scales = people.filter_map(|(person, scales)| Some((person, &scales.as_ref()?[0].values)));
+                let of_person = |(person, values): (usize, &Vec<f64>)| {
+                    values.iter().enumerate().map(|(item, value)| with(person, item, *value)).collect::<Vec<_>>()
+                };
+                scales.flat_map(of_person).collect()
+            }
+        };
+        all.retain(|own| !own.found.is_nan());
+        all
     }
 
     /// Returns the mean of a condition, which cannot lie outside `ends`.
@@ -245,39 +253,27 @@ fn comparisons(study: &TaskStudy, draws: usize, seed: u64) -> Option<Comparisons
     Some(Comparisons { people, scales, drawn, own, triads })
 }
 
-/// Returns the answers at each level of each person and condition. If the guess rate is estimated, catch trials come with
-/// them: those of the condition, whatever the level of the second parameter.
-fn points(study: &TaskStudy, common: &Common, model: &Model) -> Vec<OfPerson<Vec<Point>>> {
-    let mut all = study.each(|given| {
-        let mut points = Vec::new();
-        for (level, seen, total) in given.targets.iter().filter(|(.., total)| *total > 0) {
-            Point::add(&mut points, common.scaled((*level)?), *seen, *total);
-        }
-        Some(points).filter(|points| !points.is_empty())
-    });
+/// Estimates the function of each person and condition. Catch trials come with the answers at each level: those of the
+/// condition, whatever the level of the second parameter.
+fn functions(study: &TaskStudy, model: &Model) -> Vec<PersonFunction> {
+    let targets = |given: &Given| given.points.iter().copied().filter(Point::is_target).collect::<Vec<Point>>();
+    let all = study.each(|given| Some(targets(given)).filter(|points| !points.is_empty()));
     let second = study.asked.protocol.as_ref().and_then(|protocol| protocol.adaptive.as_ref()?.second());
     let levels = second.map_or(1, |second| second.levels.len());
     let of = |condition: usize| condition / levels;
-    for OfPerson { person, condition, found } in &mut all {
-        let own = study.given.iter().filter(|(own, _)| own.1 == *person && of(own.0) == of(*condition));
-        for [seen, all] in own.map(|(_, given)| given.catches).filter(|[_, all]| model.guess == Guess::Free && *all > 0)
-        {
-            Point::add(found, model.unseen(), seen, all);
+    let function = |OfPerson { person, condition, found: mut points }: OfPerson<Vec<Point>>| {
+        let own = study.given.iter().filter(|(own, _)| own.1 == person && of(own.0) == of(condition));
+        for catch in own.flat_map(|(_, given)| &given.points).filter(|point| !point.is_target()) {
+            Point::add(&mut points, model.unseen(), catch.correct, catch.total);
         }
-        found.sort_by(|a, b| a.x.total_cmp(&b.x));
-    }
-    all
-}
-
-fn functions(points: Vec<OfPerson<Vec<Point>>>, model: &Model) -> Vec<PersonFunction> {
-    let function = |OfPerson { person, condition, found: points }: OfPerson<Vec<Point>>| {
+        points.sort_by(|a, b| a.x.total_cmp(&b.x));
         let levels = || points.iter().filter(|point| point.is_target()).map(|point| point.x);
         let ends = || [f64::min, f64::max].map(|end| levels().fold(f64::NAN, end));
         let range = model.range.unwrap_or_else(ends);
         let (estimate, is_reversed) = (psychometric::estimate(&points, model), is_reversed(&points, model));
         PersonFunction { person, condition, range, estimate, fit: None, goodness: None, is_reversed, points }
     };
-    points.into_par_iter().map(function).collect()
+    all.into_par_iter().map(function).collect()
 }
 
 /// Returns the functions in a condition that mean something.

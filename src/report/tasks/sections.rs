@@ -2,10 +2,10 @@
 
 use super::{
     results::{Comparisons, PersonFunction, TaskResults, proportion},
-    study::{Detected, OfPerson, TaskStudy, scaled},
+    study::{Levels, Measured, OfPerson, TaskStudy, scaled},
 };
 use crate::{
-    analysis::{comparisons::Scale, settings::Settings, tasks::psychometric::Fit},
+    analysis::{comparisons::Scale, tasks::psychometric::Fit},
     experiment::task::{Common, Dial},
     report::{
         document::{Section, TableOf, fixed, probability, range, unit, whole},
@@ -55,19 +55,16 @@ pub(super) fn order(study: &TaskStudy, found: &Comparisons) -> Vec<String> {
     all
 }
 
-/// Returns the sections for which there are data.
+/// Returns the sections about what was measured.
 pub(super) fn of_results(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> Vec<Section> {
-    let (own_shares, own_detection, own_settings) = (study.shares(), study.detection(), study.settings());
-    let dial = study.asked.dial.as_ref().filter(|_| !own_settings.is_empty());
-    let levels = study.asked.levels.as_ref().filter(|_| !results.functions.is_empty());
-    let all = [
-        levels.map(|levels| thresholds(study, results, figures, &levels.common)),
-        (!own_shares.is_empty()).then(|| shares(study, &own_shares)),
-        (!own_detection.is_empty()).then(|| detection(study, &own_detection)),
-        results.comparisons.as_ref().map(|found| comparisons(study, found, figures)),
-        dial.map(|dial| settings(study, &own_settings, dial)),
-    ];
-    all.into_iter().flatten().collect()
+    let measured = match &study.asked.measured {
+        Measured::Thresholds(Levels { common, .. }) => Some(thresholds(study, results, figures, common)),
+        Measured::Proportions => Some(shares(study)),
+        Measured::Sensitivity => None,
+        Measured::Settings(dial) => Some(settings(study, dial)),
+        Measured::Scale => results.comparisons.as_ref().map(|found| comparisons(study, found, figures)),
+    };
+    measured.into_iter().chain(study.asked.has_catches().then(|| detection(study))).collect()
 }
 
 fn thresholds(study: &TaskStudy, results: &TaskResults, figures: &[Figure], common: &Common) -> Section {
@@ -129,9 +126,9 @@ fn begun<'a, T>(study: &TaskStudy, caption: impl Into<String>, rows: &'a [OfPers
         .text("Condition", |own| study.name(own.condition))
 }
 
-fn shares(study: &TaskStudy, own: &[OfPerson<[u32; 2]>]) -> Section {
+fn shares(study: &TaskStudy) -> Section {
     let mut section = Section::new("shares", "Correct answers");
-    begun(study, "Correct answers of each participant", own)
+    begun(study, "Correct answers of each participant", &study.shares())
         .number("Trials", |own| whole(own.found[1].into()))
         .number("Correct", |own| whole(own.found[0].into()))
         .number("Proportion", |own| unit(proportion(&own.found)))
@@ -139,9 +136,9 @@ fn shares(study: &TaskStudy, own: &[OfPerson<[u32; 2]>]) -> Section {
     section
 }
 
-fn detection(study: &TaskStudy, own: &[OfPerson<Detected>]) -> Section {
+fn detection(study: &TaskStudy) -> Section {
     let mut section = Section::new("detection", "Detection");
-    section.text(if study.asked.levels.is_some() {
+    section.text(if study.asked.levels().is_some() {
         "The levels of the targets differ, so there is no d’ and no criterion over all of them: they would describe how the levels were \
          chosen, not any stimulus. The false alarms are those of catch trials."
     } else {
@@ -149,7 +146,7 @@ fn detection(study: &TaskStudy, own: &[OfPerson<Detected>]) -> Section {
          less readily than by an unbiased observer. Half an answer is added to each count (Hautus 1995), so that proportions of 0 and 1 stay \
          finite; with few trials, this pulls d’ toward 0."
     });
-    begun(study, "Detection by each participant", own)
+    begun(study, "Detection by each participant", &study.detection())
         .number("Hits", |own| whole(own.found.0.hits.into()))
         .number("Misses", |own| whole(own.found.0.misses.into()))
         .number("False alarms", |own| whole(own.found.0.false_alarms.into()))
@@ -200,13 +197,14 @@ fn comparisons(study: &TaskStudy, found: &Comparisons, figures: &[Figure]) -> Se
     section
 }
 
-fn settings(study: &TaskStudy, all: &[OfPerson<Settings>], dial: &Dial) -> Section {
-    let is_rating = study.asked.is_slider();
-    let (heading, of_each) = if is_rating { ("Ratings", "ratings") } else { ("Settings", "settings") };
+fn settings(study: &TaskStudy, dial: &Dial) -> Section {
+    let all = study.settings();
+    let is_slider = dial.parameter.is_none();
+    let (heading, of_each) = if is_slider { ("Ratings", "ratings") } else { ("Settings", "settings") };
     let mut section = Section::new("settings", heading);
     let has_start = all.iter().any(|own| own.found.direction.is_some());
     let plain = |value: Option<f64>| value.map_or_else(|| fixed(None, 0), scaled(false, None));
-    let mut table = begun(study, format!("The {of_each} of each participant"), all)
+    let mut table = begun(study, format!("The {of_each} of each participant"), &all)
         .number(heading, |own| whole(own.found.n as u64))
         .number("Mean", |own| scaled(dial.log, None)(own.found.mean))
         .number("SD", |own| plain(own.found.sd));

@@ -7,16 +7,16 @@ use std::{
 };
 
 use crate::{
-    analysis::{
-        detection::{Answers, Detection},
-        settings::Settings,
-        tasks::psychometric::Model,
+    analysis::tasks::{
+        person::{Answers, Detection, Settings},
+        psychometric::{Model, Point},
     },
     experiment::{
         Factor, Phase, Protocol, Replayed,
         task::{Adaptive, Answer, Common, Dial, Measures, Presentation, Second, Task},
     },
     report::{
+        StudyError,
         document::{Shown, fixed, significant, unit},
         names,
     },
@@ -30,7 +30,7 @@ use crate::{
         recorded::Recorded,
         sidecar::Sidecar,
     },
-    text::Cell,
+    text::{Cell, names::expected_one_of},
 };
 
 /// What was asked.
@@ -38,20 +38,30 @@ use crate::{
 pub struct Asked {
     /// The title of the study, or the name of its experiment or file.
     pub title: String,
-    /// The kind of task.
-    pub task: String,
-    /// What the answers are analyzed as; `None` for a table of answers at levels.
-    pub measures: Option<Measures>,
+    /// What is measured in each condition.
+    pub measured: Measured,
     /// The factors; the last one is the second parameter of an adaptive method, if it has one.
     pub factors: Vec<Factor>,
     /// Each condition's level of each factor.
     pub conditions: Vec<Vec<usize>>,
-    /// The levels at which psychometric functions were measured, if they were.
-    pub levels: Option<Levels>,
-    /// The value that participants set.
-    pub dial: Option<Dial>,
-    /// The definition; `None` for a table.
+    /// The definition; `None` for a table of answers at levels.
     pub protocol: Option<Protocol>,
+}
+
+/// What is measured for each person in each condition.
+#[derive(Clone, Debug, Default)]
+pub enum Measured {
+    /// The threshold of a psychometric function.
+    Thresholds(Levels),
+    /// The proportion of correct answers.
+    Proportions,
+    /// How well targets are told from catch trials.
+    Sensitivity,
+    /// The value that participants set.
+    Settings(Dial),
+    /// The place on a scale of comparisons.
+    #[default]
+    Scale,
 }
 
 /// The levels of a psychometric function.
@@ -65,14 +75,14 @@ pub struct Levels {
     pub model: Model,
 }
 
-/// What a study estimates for each person in each condition.
+/// How a measured value is told.
 #[derive(Clone, Debug)]
 pub struct Estimand {
     /// What it is, without its parameter: `threshold`.
     pub name: &'static str,
     /// Of which parameter: ` of width`, or nothing.
     pub of: String,
-    /// The unit of differences and errors.
+    /// The unit of differences and errors, unless they are logarithms.
     pub unit: &'static str,
     /// Whether the values are base-10 logarithms.
     pub log: bool,
@@ -113,16 +123,21 @@ impl Asked {
         names::factor(self.known(), name)
     }
 
-    /// Returns whether participants rated on a slider.
-    pub fn is_slider(&self) -> bool {
-        self.dial.as_ref().is_some_and(|dial| dial.parameter.is_none())
+    /// Returns the levels at which psychometric functions were measured, if they were.
+    pub fn levels(&self) -> Option<&Levels> {
+        if let Measured::Thresholds(levels) = &self.measured { Some(levels) } else { None }
+    }
+
+    /// Returns whether some trials showed no target.
+    pub fn has_catches(&self) -> bool {
+        self.protocol.as_ref().is_some_and(|protocol| protocol.task.catches().is_some())
     }
 
     /// Returns the conditions that a trial is about: two if it compares them, and otherwise one, with its level of the second
     /// parameter. `planned` is the condition in the schedule.
     pub fn places(&self, planned: usize, shown: &Presentation) -> Option<Vec<usize>> {
         let protocol = self.protocol.as_ref()?;
-        if self.measures == Some(Measures::Comparisons) {
+        if let Measured::Scale = self.measured {
             let conditions = protocol.conditions();
             let of = |stimulus: &Stimulus| conditions.iter().position(|condition| condition.stimulus == *stimulus);
             return shown.stimuli.iter().map(of).collect();
@@ -136,34 +151,33 @@ impl Asked {
         Some(vec![planned * levels.len() + level.or((shown.target == Some(0)).then_some(0))?])
     }
 
-    /// Returns what is estimated for each person in each condition.
+    /// Returns how what is measured is told.
     pub fn estimand(&self) -> Estimand {
-        let scaled = |name, parameter: Option<&String>, unit, log| {
-            let of = parameter.map_or_else(String::new, |parameter| format!(" of {}", self.factor(parameter)));
-            Estimand { name, of, unit: if log { "log10 units" } else { unit }, log, ends: None, format: None }
-        };
-        let plain = |name, unit, ends, format: fn(f64) -> Shown| Estimand {
+        let of = |parameter: &str| format!(" of {}", self.factor(parameter));
+        let plain = |name, unit, format: fn(f64) -> Shown| Estimand {
             name,
             of: String::new(),
             unit,
             log: false,
-            ends,
+            ends: None,
             format: Some(format),
         };
-        match (&self.levels, &self.dial, self.measures) {
-            (Some(Levels { common, .. }), ..) => {
-                scaled("threshold", Some(&common.parameter), "units of the level", common.log)
+        let hundredths = |value| fixed(value, 2);
+        match &self.measured {
+            Measured::Thresholds(Levels { common: Common { parameter, log, .. }, .. }) => {
+                let unit = "units of the level";
+                Estimand { name: "threshold", of: of(parameter), unit, log: *log, ends: None, format: None }
             }
-            (_, Some(Dial { parameter, log, range, .. }), _) => {
-                let name = if self.is_slider() { "rating" } else { "setting" };
+            Measured::Settings(Dial { parameter, log, range, .. }) => {
+                let (name, of) = parameter.as_ref().map_or(("rating", String::new()), |name| ("setting", of(name)));
                 let ends = Some(range.map(|end| if *log { end.log10() } else { end }));
-                Estimand { ends, ..scaled(name, parameter.as_ref(), "units of the scale", *log) }
+                Estimand { name, of, unit: "units of the scale", log: *log, ends, format: None }
             }
-            (.., Some(Measures::Proportions)) => {
-                plain("proportion of correct answers", "proportions", Some([0.0, 1.0]), unit)
+            Measured::Proportions => {
+                Estimand { ends: Some([0.0, 1.0]), ..plain("proportion of correct answers", "proportions", unit) }
             }
-            (.., Some(Measures::Detection)) => plain("d’", "d’", None, |d_prime| fixed(d_prime, 2)),
-            _ => plain("scale value", "JND", None, |jnd| fixed(jnd, 2)),
+            Measured::Sensitivity => plain("d’", "d’", hundredths),
+            Measured::Scale => plain("scale value", "JND", hundredths),
         }
     }
 
@@ -178,18 +192,6 @@ impl Asked {
             true => format!("{} (base-10 logarithm)", names::heading(self.known(), name)),
             false => names::axis(self.known(), name),
         }
-    }
-}
-
-/// Names a task in words.
-pub(crate) fn task(task: &Task) -> &'static str {
-    match task.measures() {
-        Measures::Ratings => "rating",
-        Measures::Proportions => "forced choice",
-        Measures::Detection => "detection (yes or no)",
-        Measures::Comparisons => "comparison of pairs",
-        Measures::Settings if task.dial().is_some_and(|dial| dial.parameter.is_none()) => "rating on a slider",
-        Measures::Settings => "adjustment",
     }
 }
 
@@ -209,6 +211,13 @@ impl From<&Protocol> for Asked {
             range: adaptive.range(),
             model,
         });
+        let measured = match (levels, protocol.task.dial(), protocol.task.measures()) {
+            (Some(levels), ..) => Measured::Thresholds(levels),
+            (_, Some(dial), _) => Measured::Settings(dial),
+            (.., Measures::Proportions) => Measured::Proportions,
+            (.., Measures::Detection) => Measured::Sensitivity,
+            _ => Measured::Scale,
+        };
         let mut factors = protocol.factors.clone();
         let mut conditions: Vec<Vec<usize>> =
             protocol.conditions().iter().map(|condition| condition.levels.clone()).collect();
@@ -220,16 +229,7 @@ impl From<&Protocol> for Asked {
             conditions = conditions.iter().flat_map(with).collect();
             factors.push(Factor { name: second.parameter.clone(), levels });
         }
-        Self {
-            title: title.clone(),
-            task: task(&protocol.task).to_owned(),
-            measures: Some(protocol.task.measures()),
-            factors,
-            conditions,
-            levels,
-            dial: protocol.task.dial(),
-            protocol: Some(protocol.clone()),
-        }
+        Self { title: title.clone(), measured, factors, conditions, protocol: Some(protocol.clone()) }
     }
 }
 
@@ -262,11 +262,11 @@ pub struct TaskStudy {
 /// The answers of a person to the main trials of a condition, the last attempt of each.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Given {
-    /// Of trials with a target: the level, if there is one, in how many the target was seen or chosen, and their number.
-    pub targets: Vec<(Option<f64>, u32, u32)>,
-    /// In how many catch trials a target was seen, and their number.
-    pub catches: [u32; 2],
-    /// The values that were set, and whether each adjustment began in the upper half of its range; `None` without a start.
+    /// In how many trials the target was seen or chosen, at each level on the scale of the method; at 0 if there are no levels,
+    /// and at −∞ in catch trials.
+    pub points: Vec<Point>,
+    /// The values that were set, as logarithms if the dial counts in ratios, and whether each adjustment began in the upper
+    /// half of its range; `None` without a start.
     pub values: Vec<(f64, Option<bool>)>,
 }
 
@@ -286,9 +286,11 @@ pub struct OfPerson<T> {
 pub type Detected = (Answers, Option<Detection>);
 
 impl Given {
-    /// Returns in how many trials with a target it was seen or chosen, and their number.
-    pub fn seen(&self) -> [u32; 2] {
-        self.targets.iter().fold([0, 0], |[right, all], (_, seen, total)| [right + seen, all + total])
+    /// Returns in how many trials with a target it was seen or chosen, and their number; those of catch trials unless
+    /// `are_targets`.
+    pub fn seen(&self, are_targets: bool) -> [u32; 2] {
+        let points = self.points.iter().filter(|point| point.is_target() == are_targets);
+        points.fold([0, 0], |[seen, all], point| [seen + point.correct, all + point.total])
     }
 }
 
@@ -320,8 +322,8 @@ impl TaskStudy {
     /// told.
     ///
     /// # Errors
-    /// There are no sessions, a folder cannot be read, or they have different definitions.
-    pub fn read(paths: &[PathBuf], exclude: &[String]) -> Result<Self, FileErrors> {
+    /// There are no sessions, a folder cannot be read, they have different definitions, or nobody is left.
+    pub fn read(paths: &[PathBuf], exclude: &[String]) -> Result<Self, StudyError> {
         let Listed { files, mut errors, mut warnings, .. } = ratings::files(paths)?;
         let mut sessions = Vec::<Recorded>::new();
         for csv in files {
@@ -329,38 +331,44 @@ impl TaskStudy {
                 Ok(session) if session.row_errors().is_empty() => sessions.push(session),
                 Ok(session) => errors.extend_from_slice(session.row_errors()),
                 Err(StoreError::FileErrors(found)) => errors.extend(found.0),
-                Err(error) => return Err(FileErrors(error.errors(&csv))),
+                Err(error) => return Err(FileErrors(error.errors(&csv)).into()),
             }
         }
-        let Some(first) = sessions.first() else { return Err(FileErrors(errors)) };
+        let Some(first) = sessions.first() else { return Err(FileErrors(errors).into()) };
         let mut study = Self { errors, asked: Asked::from(&first.protocol), ..Self::default() };
         let mut known = BTreeMap::new();
         for session in &sessions {
             if session.protocol != first.protocol {
                 let message =
                     "has another definition than the sessions before it; expected the sessions of one definition";
-                return Err(FileErrors::whole(&session.csv, message));
+                return Err(FileErrors::whole(&session.csv, message).into());
             }
             if let Some(other) = known.insert((session.identity.subject(), session.identity.session()), &session.csv) {
                 let message =
                     format!("has the same participant and session as {}; expected each once", other.display());
-                return Err(FileErrors::whole(&session.csv, message));
+                return Err(FileErrors::whole(&session.csv, message).into());
             }
             warnings.extend(session.changed.iter().cloned().chain(session.interruption()));
             study.add(session, exclude);
         }
         study.warnings = warnings;
-        let unknown = exclude.iter().find(|id| !study.excluded.contains(id));
-        if let Some(unknown) = unknown {
-            return Err(FileErrors::whole(
-                &paths[0],
-                format!("has no participant {unknown:?}; expected one of its IDs"),
-            ));
+        study.without(exclude, &paths[0])
+    }
+
+    /// Checks that everyone to exclude was there, and that answers of others are left.
+    ///
+    /// # Errors
+    /// Someone was not there, or nothing is left.
+    pub fn without(self, exclude: &[String], path: &Path) -> Result<Self, StudyError> {
+        if let Some(unknown) = exclude.iter().find(|id| !self.excluded.contains(id)) {
+            let known = [&self.people[..], &self.excluded].concat();
+            let message = format!("{unknown} is not a participant; {}", expected_one_of(unknown, &known));
+            return Err(StudyError::Names("exclude", message));
         }
-        if study.answers() == 0 {
-            return Err(FileErrors::whole(&paths[0], "has no answers of main trials; expected at least one"));
+        if self.answers() == 0 {
+            return Err(FileErrors::whole(path, "has no answers of main trials; expected at least one").into());
         }
-        Ok(study)
+        Ok(self)
     }
 
     /// Takes the rows of a table of answers. `factors` have the levels whose order is known; the others follow in the order of
@@ -373,7 +381,9 @@ impl TaskStudy {
             let of = row.factors.iter().zip(&mut found).map(|(level, known)| place(known, level.clone())).collect();
             let person = place(&mut people, row.subject.clone());
             let own = given.entry(of).or_default().entry(person).or_default();
-            own.targets.push((Some(row.level), row.correct, row.total));
+            if row.total > 0 {
+                Point::add(&mut own.points, levels.common.scaled(row.level), row.correct, row.total);
+            }
         }
         let factor = |(name, levels): (String, Vec<String>)| {
             let levels = levels.into_iter().map(|level| ParameterValue::from(level.as_str())).collect();
@@ -381,11 +391,10 @@ impl TaskStudy {
         };
         let asked = Asked {
             title: path.file_stem().unwrap_or_default().display().to_string(),
-            task: "table of answers".to_owned(),
+            measured: Measured::Thresholds(levels),
             factors: names.into_iter().zip(found).map(factor).collect(),
             conditions: given.keys().cloned().collect(),
-            levels: Some(levels),
-            ..Asked::default()
+            protocol: None,
         };
         let of_condition = |(condition, own): (usize, BTreeMap<usize, Given>)| {
             own.into_iter().map(move |(person, given)| ((condition, person), given))
@@ -402,35 +411,30 @@ impl TaskStudy {
         self.given.iter().filter_map(own).collect()
     }
 
-    /// Returns the number of correct answers of each person and condition, and of all, if no levels were varied.
+    /// Returns the number of correct answers of each person and condition, and of all.
     pub fn shares(&self) -> Vec<OfPerson<[u32; 2]>> {
-        let has_shares = self.asked.measures == Some(Measures::Proportions) && self.asked.levels.is_none();
-        self.each(|given| has_shares.then(|| given.seen()))
+        self.each(|given| Some(given.seen(true)))
     }
 
     /// Returns hits and false alarms of each person and condition, with sensitivity and criterion.
     pub fn detection(&self) -> Vec<OfPerson<Detected>> {
         self.each(|given| {
-            let ([hits, targets], [false_alarms, catches]) = (given.seen(), given.catches);
+            let [[hits, targets], [false_alarms, catches]] = [true, false].map(|are_targets| given.seen(are_targets));
             let (misses, correct_rejections) = (targets - hits, catches - false_alarms);
             let answers = Answers { hits, misses, false_alarms, correct_rejections };
-            let found = (answers, answers.detection().filter(|_| self.asked.levels.is_none()));
-            (self.asked.measures == Some(Measures::Detection)).then_some(found)
+            Some((answers, answers.detection().filter(|_| self.asked.levels().is_none())))
         })
     }
 
     /// Returns the settings of each person and condition, on the scale of the dial.
     pub fn settings(&self) -> Vec<OfPerson<Settings>> {
-        let log = self.asked.dial.as_ref().is_some_and(|dial| dial.log);
-        let scaled = |(value, upper): &(f64, Option<bool>)| (if log { value.log10() } else { *value }, *upper);
-        self.each(|given| Settings::of(&given.values.iter().map(scaled).collect::<Vec<_>>()))
+        self.each(|given| Settings::of(&given.values))
     }
 
     /// Returns the number of answers.
     pub fn answers(&self) -> u64 {
         let count = |given: &Given| {
-            let targets: u64 = given.targets.iter().map(|(.., total)| u64::from(*total)).sum();
-            targets + u64::from(given.catches[1]) + given.values.len() as u64
+            given.points.iter().map(|point| u64::from(point.total)).sum::<u64>() + given.values.len() as u64
         };
         self.given.values().map(count).sum::<u64>() + self.compared.len() as u64
     }
@@ -438,7 +442,7 @@ impl TaskStudy {
     fn add(&mut self, session: &Recorded, exclude: &[String]) {
         let id = session.identity.subject().to_owned();
         if exclude.contains(&id) {
-            self.excluded.push(id);
+            place(&mut self.excluded, id);
             return;
         }
         self.files.push((session.csv.clone(), session.rows.len()));
@@ -456,24 +460,27 @@ impl TaskStudy {
     /// Takes the answer to a main trial of a definition, for which the schedule planned a condition or a pair; `None` if
     /// there is none.
     pub fn take(&mut self, person: usize, planned: usize, shown: &Presentation, answer: &Answer) -> Option<()> {
-        let task = &self.asked.protocol.as_ref()?.task;
-        let (measures, seen) = (task.measures(), task.outcome(shown, answer));
+        let seen = self.asked.protocol.as_ref()?.task.outcome(shown, answer);
         let places = self.asked.places(planned, shown)?;
         if let [left, right] = places[..] {
             self.compared.push((person, if seen { [left, right] } else { [right, left] }));
             return Some(());
         }
         let given = self.given.entry((places[0], person)).or_default();
-        match (measures, answer) {
-            (Measures::Proportions | Measures::Detection, _) if shown.target == Some(0) => {
-                given.catches = [given.catches[0] + u32::from(seen), given.catches[1] + 1];
+        match (&self.asked.measured, answer) {
+            (Measured::Settings(dial), Answer::Value(value)) => {
+                let value = if dial.log { value.log10() } else { *value };
+                given.values.push((value, shown.start.map(|start| dial.share(start) > 0.5)));
             }
-            (Measures::Proportions | Measures::Detection, _) => given.targets.push((shown.level, seen.into(), 1)),
-            (_, Answer::Value(value)) => {
-                let is_upper = |start: f64| self.asked.dial.as_ref().is_some_and(|dial| dial.share(start) > 0.5);
-                given.values.push((*value, shown.start.map(is_upper)));
+            (measured, Answer::Key(_)) => {
+                let x = match measured {
+                    _ if shown.target == Some(0) => f64::NEG_INFINITY,
+                    Measured::Thresholds(levels) => levels.common.scaled(shown.level?),
+                    _ => 0.0,
+                };
+                Point::add(&mut given.points, x, seen.into(), 1);
             }
-            (_, Answer::Key(_)) => return None,
+            (_, Answer::Value(_)) => return None,
         }
         Some(())
     }

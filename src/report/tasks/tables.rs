@@ -2,38 +2,37 @@
 
 use super::{
     results::{Comparisons, PersonFunction, TaskResults},
-    study::{Levels, OfPerson, TaskStudy},
+    study::{Levels, Measured, OfPerson, TaskStudy},
 };
 use crate::{
     analysis::{
         comparisons::Wins,
-        tasks::{
-            population::{Difference, Population},
-            psychometric::Point,
-        },
+        tasks::{population::Population, psychometric::Point},
     },
-    experiment::task::Common,
+    experiment::task::{Common, Dial},
     report::tables::Rows,
-    statistics::Interval,
     text::Table,
 };
 
 /// Returns the tables by the names of their files.
 pub fn tables(study: &TaskStudy, results: &TaskResults) -> Vec<(&'static str, Table)> {
-    let mut all = Vec::new();
-    if let Some(Levels { common, .. }) = &study.asked.levels
-        && !results.functions.is_empty()
-    {
-        all.push(("answers", answers(study, results, common)));
-        all.push(("thresholds", thresholds(study, results, common)));
-        all.push(("population", population(study, results, common)));
+    let mut all = match &study.asked.measured {
+        Measured::Thresholds(Levels { common, .. }) => vec![
+            ("answers", answers(study, results, common)),
+            ("thresholds", thresholds(study, results, common)),
+            ("population", population(study, results, common)),
+        ],
+        Measured::Proportions => vec![("shares", shares(study))],
+        Measured::Sensitivity => Vec::new(),
+        Measured::Settings(dial) => vec![("settings", settings(study, dial))],
+        Measured::Scale => {
+            let tables = |found| [("comparisons", comparisons(study, found)), ("scale", scale(study, found))];
+            results.comparisons.iter().flat_map(tables).collect()
+        }
+    };
+    if study.asked.has_catches() {
+        all.push(("detection", detection(study)));
     }
-    all.extend(shares(study).map(|table| ("shares", table)));
-    all.extend(detection(study).map(|table| ("detection", table)));
-    if let Some(found) = &results.comparisons {
-        all.extend([("comparisons", comparisons(study, found)), ("scale", scale(study, found))]);
-    }
-    all.extend(settings(study).map(|table| ("settings", table)));
     if !results.differences.is_empty() {
         all.push(("differences", differences(study, results)));
     }
@@ -67,11 +66,6 @@ fn answers(study: &TaskStudy, results: &TaskResults, common: &Common) -> Table {
         .table()
 }
 
-/// Returns an interval on the scale of the levels.
-fn scaled(common: &Common, Interval { low, high }: Interval) -> Interval {
-    Interval { low: common.level(low), high: common.level(high) }
-}
-
 fn thresholds(study: &TaskStudy, results: &TaskResults, common: &Common) -> Table {
     const THRESHOLD: &str = "Level with F = 1/2; empty if the most probable one lies outside the interval and, with the \
                              values up to `lapse`, if no function describes the answers.";
@@ -82,7 +76,7 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, common: &Common) -> Tabl
     with_levels(study, with_people(study, &results.functions, |own| own.person), |own| own.condition)
         .column("trials", "Number of trials with a target.", |own| own.trials())
         .column("threshold", THRESHOLD, |own| Some(common.level(own.described()?.determined_threshold()?)))
-        .interval("threshold", "its 95 % interval", |own| Some(scaled(common, own.described()?.threshold)))
+        .interval("threshold", "its 95 % interval", |own| Some(own.described()?.threshold.map(|end| common.level(end))))
         .column("slope", SLOPE, |own| own.described()?.determined_slope())
         .in_unit("per unit of the scale of the levels", 1)
         .interval("slope", "its 95 % interval", |own| own.described()?.determined_slopes())
@@ -96,7 +90,7 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, common: &Common) -> Tabl
 }
 
 fn population(study: &TaskStudy, results: &TaskResults, common: &Common) -> Table {
-    let scaled = |(_, own): &(usize, Population)| Some(scaled(common, own.interval?));
+    let scaled = |(_, own): &(usize, Population)| Some(own.interval?.map(|end| common.level(end)));
     let mean = "Mean threshold of people, on the scale of the levels.";
     with_levels(study, Rows::new(&results.populations), |(condition, _)| *condition)
         .column("people", "Number of participants.", |(_, own)| own.contributions.len())
@@ -110,26 +104,22 @@ fn population(study: &TaskStudy, results: &TaskResults, common: &Common) -> Tabl
         .table()
 }
 
-fn shares(study: &TaskStudy) -> Option<Table> {
-    let rows = study.shares();
-    let table = of_people(study, &rows)
+fn shares(study: &TaskStudy) -> Table {
+    of_people(study, &study.shares())
         .column("correct", "Number of correct answers.", |own| own.found[0])
         .column("total", "Number of trials.", |own| own.found[1])
-        .table();
-    (!rows.is_empty()).then_some(table)
+        .table()
 }
 
-fn detection(study: &TaskStudy) -> Option<Table> {
-    let rows = study.detection();
-    let table = of_people(study, &rows)
+fn detection(study: &TaskStudy) -> Table {
+    of_people(study, &study.detection())
         .column("hits", "Targets answered yes.", |own| own.found.0.hits)
         .column("misses", "Targets answered no.", |own| own.found.0.misses)
         .column("false_alarms", "Catch trials answered yes.", |own| own.found.0.false_alarms)
         .column("correct_rejections", "Catch trials answered no.", |own| own.found.0.correct_rejections)
         .column("d_prime", "Sensitivity, with the log-linear correction.", |own| Some(own.found.1?.d_prime))
         .column("criterion", "Criterion c.", |own| Some(own.found.1?.criterion))
-        .table();
-    (!rows.is_empty()).then_some(table)
+        .table()
 }
 
 /// Describes a column with the levels of a condition, and returns them.
@@ -144,16 +134,12 @@ fn differences(study: &TaskStudy, results: &TaskResults) -> Table {
     let estimand = study.asked.estimand();
     let scaled = |value: f64| if estimand.log { f64::powf(10.0, value) } else { value };
     let what = if estimand.log { "Ratio of the first to the second." } else { "The first minus the second." };
-    let of_scale = |found: &Difference| {
-        let Interval { low, high } = found.mean.interval?;
-        Some(Interval { low: scaled(low), high: scaled(high) })
-    };
     Rows::new(&results.differences)
         .column("first", LEVELS, |found| levels(study, found.conditions[0]))
         .column("second", LEVELS, |found| levels(study, found.conditions[1]))
         .column("people", "Number of participants who have both.", |found| found.mean.people)
         .column(if estimand.log { "ratio" } else { "difference" }, what, |found| scaled(found.mean.mean))
-        .interval("ci", "its 95 % interval", of_scale)
+        .interval("ci", "its 95 % interval", |found| Some(found.mean.interval?.map(scaled)))
         .column("p", "p of the t test, with Holm’s correction for all pairs.", |found| found.p)
         .table()
 }
@@ -203,17 +189,14 @@ fn scale(study: &TaskStudy, found: &Comparisons) -> Table {
         .table()
 }
 
-fn settings(study: &TaskStudy) -> Option<Table> {
-    let rows = study.settings();
-    let log = study.asked.dial.as_ref().is_some_and(|dial| dial.log);
+fn settings(study: &TaskStudy, dial: &Dial) -> Table {
     let direction =
         "Mean of settings that began in the upper half of the range minus that of those that began in the lower half.";
-    let table = of_people(study, &rows)
+    of_people(study, &study.settings())
         .column("n", "Number of settings.", |own| own.found.n)
         .column("mean", "Mean of the settings.", |own| own.found.mean)
         .column("sd", "Standard deviation of the settings.", |own| own.found.sd)
         .column("direction", direction, |own| own.found.direction)
-        .in_unit(if log { "log10 of the value" } else { "" }, 3)
-        .table();
-    (!rows.is_empty()).then_some(table)
+        .in_unit(if dial.log { "log10 of the value" } else { "" }, 3)
+        .table()
 }

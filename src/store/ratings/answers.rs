@@ -51,8 +51,6 @@ pub struct AnswerRow {
 pub struct AnswersRead {
     /// The rows.
     pub rows: Vec<AnswerRow>,
-    /// Number of rows without a level or an answer, which are left out.
-    pub missing: usize,
     /// What a user should know about how the table was read.
     pub notes: Vec<FileError>,
     /// What is wrong with the rows that are left out because of it.
@@ -80,10 +78,11 @@ pub fn of_columns(name: &str, table: &Columns, columns: &AnswerColumns) -> Resul
 }
 
 fn answers(mut input: Input, columns: &AnswerColumns) -> Result<AnswersRead, StoreError> {
-    let used = Used::new(&input, columns)?;
-    input.columns = used.places();
+    let subject = columns.subject.clone().or_else(|| input.header.subject().map(str::to_owned));
+    input.columns = places(&input, columns, subject.as_ref())?;
     let mut rows = Rows::read(&input).map_err(|error| FileErrors(vec![error]))?;
     let (mut found, mut errors) = (Vec::new(), std::mem::take(&mut rows.errors));
+    let used = Used { has_subject: subject.is_some(), factors: columns.factors.len(), places: &input.columns };
     for row in (0..rows.status.len()).filter(|row| rows.status[*row] != Status::Wrong) {
         match used.row(|cell| rows.columns[cell].get(row), input.header.separator) {
             Ok(answer) => found.push(answer),
@@ -92,79 +91,88 @@ fn answers(mut input: Input, columns: &AnswerColumns) -> Result<AnswersRead, Sto
     }
     rows.errors = errors;
     let mut notes: Vec<FileError> = how_read(&input, &rows).collect();
-    if let Some(subject) = used.subject {
-        notes.extend(input.header.note_of_subject(&input.name, subject).filter(|_| columns.subject.is_none()));
-        notes.extend(about_ids(&input.name, &[&rows.columns[subject]]));
+    if used.has_subject {
+        let place = used.places.subject;
+        notes.extend(input.header.note_of_subject(&input.name, place).filter(|_| columns.subject.is_none()));
+        notes.extend(about_ids(&input.name, &[&rows.columns[place]]));
     }
-    let factors = columns.factors.iter().zip(&used.factors);
+    let factors = columns.factors.iter().zip(&used.places.factors);
     notes.extend(factors.filter_map(|(name, cell)| alike(&input.name, Some(name), &[&rows.columns[*cell]])));
     notes.extend(used.pooled(&input, &rows));
-    let errors = rows.errors.finish(&input.name, &input.header.names);
     let all = found.len();
-    let rows: Vec<AnswerRow> = found.into_iter().flatten().collect();
-    let answers = rows.iter().map(|row| u64::from(row.total)).sum::<u64>();
-    for (what, found, most) in [("rows", rows.len() as u64, MAX_ROWS as u64), ("answers", answers, u32::MAX.into())] {
-        if !(1..=most).contains(&found) {
+    let found: Vec<AnswerRow> = found.into_iter().flatten().collect();
+    let missing = all - found.len();
+    if missing > 0 {
+        let (have, were) = if missing == 1 { ("has", "was") } else { ("have", "were") };
+        let message = format!("{missing} of {all} rows {have} no level or no answer, and {were} left out");
+        notes.push(FileError::whole(&input.name, message));
+    }
+    let errors = rows.errors.finish(&input.name, &input.header.names);
+    let answers = found.iter().map(|row| u64::from(row.total)).sum::<u64>();
+    for (what, count, most) in [("rows", found.len() as u64, MAX_ROWS as u64), ("answers", answers, u32::MAX.into())] {
+        if !(1..=most).contains(&count) {
             FileErrors::none(errors)?;
-            return Err(FileErrors::whole(&input.name, format!("has {found} {what}; expected 1 to {most}")).into());
+            return Err(FileErrors::whole(&input.name, format!("has {count} {what}; expected 1 to {most}")).into());
         }
     }
-    Ok(AnswersRead { missing: all - rows.len(), rows, notes, errors })
+    Ok(AnswersRead { rows: found, notes, errors })
 }
 
-/// Where the columns are.
-struct Used {
-    level: usize,
-    correct: usize,
-    total: Option<usize>,
-    subject: Option<usize>,
-    factors: Vec<usize>,
-    simulated: Option<usize>,
-    /// If no factors were named, the columns that may tell conditions apart.
-    unused: Vec<usize>,
-}
-
-/// Maximum number of these columns, and of the levels of one.
+/// Maximum number of unused columns that may tell conditions apart, and of the levels of one.
 const MAX_UNUSED: usize = 20;
 
-impl Used {
-    fn new(input: &Input, columns: &AnswerColumns) -> Result<Self, FileErrors> {
-        let (name, header) = (&input.name, &input.header);
-        if has_session_rows(header) {
-            let message = "has the rows of a session, among them practice, catch trials and corrected answers; expected the folder \
-                           of the sessions, without the names of columns";
-            return Err(FileErrors::whole(name, message));
-        }
-        let place = |column: &String| input.place(column).map_err(|error| FileErrors(vec![error]));
-        let subject = columns.subject.clone().or_else(|| header.subject().map(str::to_owned));
-        let given = [&columns.level, &columns.correct];
-        let all = given.into_iter().chain(&columns.total).chain(&subject).chain(&columns.factors);
-        let mut names: Vec<&String> = all.collect();
-        names.sort();
-        if let Some(twice) = names.windows(2).find(|pair| pair[0] == pair[1]) {
-            let message = format!("the column {} has two uses; expected one for each column", twice[0]);
-            return Err(FileErrors::whole(name, message));
-        }
-        let is_unused = |name: &String| names.binary_search(&name).is_err() && name != SIMULATED;
-        let unused = (0..header.names.len()).filter(|at| columns.factors.is_empty() && is_unused(&header.names[*at]));
-        Ok(Self {
-            unused: unused.take(MAX_UNUSED).collect(),
-            level: place(&columns.level)?,
-            correct: place(&columns.correct)?,
-            total: columns.total.as_ref().map(place).transpose()?,
-            subject: subject.as_ref().map(place).transpose()?,
-            factors: columns.factors.iter().map(place).collect::<Result<_, _>>()?,
-            simulated: header.position(SIMULATED),
-        })
+/// Returns the columns that are read. After the factors, there are those that may tell conditions apart if no factors were
+/// named, and the level.
+fn places(input: &Input, columns: &AnswerColumns, subject: Option<&String>) -> Result<Places, FileErrors> {
+    let (name, header) = (&input.name, &input.header);
+    if has_session_rows(header) {
+        let message = "has the rows of a session, among them practice, catch trials and corrected answers; expected the folder \
+                       of the sessions, without the names of columns";
+        return Err(FileErrors::whole(name, message));
     }
+    let place = |column: &String| input.place(column).map_err(|error| FileErrors(vec![error]));
+    let given = [&columns.level, &columns.correct];
+    let all = given.into_iter().chain(&columns.total).chain(subject).chain(&columns.factors);
+    let mut names: Vec<&String> = all.collect();
+    names.sort();
+    if let Some(twice) = names.windows(2).find(|pair| pair[0] == pair[1]) {
+        let message = format!("the column {} has two uses; expected one for each column", twice[0]);
+        return Err(FileErrors::whole(name, message));
+    }
+    let level = place(&columns.level)?;
+    let mut factors = columns.factors.iter().map(place).collect::<Result<Vec<_>, _>>()?;
+    if factors.is_empty() {
+        let is_unused = |name: &String| names.binary_search(&name).is_err() && name != SIMULATED;
+        factors.extend((0..header.names.len()).filter(|at| is_unused(&header.names[*at])).take(MAX_UNUSED));
+    }
+    factors.push(level);
+    Ok(Places {
+        subject: subject.map_or(Ok(level), place)?,
+        responses: vec![place(&columns.correct)?],
+        count: columns.total.as_ref().map(place).transpose()?,
+        factors,
+        simulated: header.position(SIMULATED),
+        ..Places::default()
+    })
+}
 
+/// How columns are used.
+struct Used<'a> {
+    /// Whether one has the participants.
+    has_subject: bool,
+    /// The number of factors.
+    factors: usize,
+    places: &'a Places,
+}
+
+impl Used<'_> {
     /// Returns a note if rows that may be of several people or conditions are taken together, because no columns were
     /// named.
     fn pooled(&self, input: &Input, rows: &Rows) -> Option<FileError> {
+        let unused = self.places.factors.split_last()?.1.iter().filter(|_| self.factors == 0);
         let has_levels = |column: &&usize| (2..=MAX_UNUSED).contains(&rows.columns[**column].texts.len());
-        let unused = self.unused.iter().filter(has_levels).map(|column| input.header.names[*column].as_str());
-        let unused: Vec<&str> = unused.collect();
-        let people = if self.subject.is_some() { "" } else { " and are those of one participant" };
+        let unused: Vec<&str> = unused.filter(has_levels).map(|column| input.header.names[*column].as_str()).collect();
+        let people = if self.has_subject { "" } else { " and are those of one participant" };
         let message = format!(
             "all rows are of one condition{people}, because no column was named; expected --factors if conditions differ in {}",
             unused.join(", ")
@@ -172,26 +180,15 @@ impl Used {
         (!unused.is_empty()).then(|| FileError::whole(&input.name, message))
     }
 
-    /// Returns the columns that are read.
-    fn places(&self) -> Places {
-        Places {
-            subject: self.subject.unwrap_or(self.level),
-            responses: vec![self.correct],
-            count: self.total,
-            factors: self.factors.iter().chain(&self.unused).copied().chain([self.level]).collect(),
-            simulated: self.simulated,
-            ..Places::default()
-        }
-    }
-
     /// Reads a row; `None` if it has no level or no answer. An error has its cell.
-    fn row<'a>(
+    fn row<'t>(
         &self,
-        text: impl Fn(usize) -> &'a str,
+        text: impl Fn(usize) -> &'t str,
         separator: u8,
     ) -> Result<Option<AnswerRow>, (usize, &'static str)> {
-        let needed = [Some(self.level), Some(self.correct), self.total];
-        if needed.into_iter().flatten().any(|cell| is_missing(text(cell), true)) {
+        let Places { subject, ref responses, count: trials, ref factors, simulated, .. } = *self.places;
+        let (level, correct) = (factors[factors.len() - 1], responses[0]);
+        if [Some(level), Some(correct), trials].into_iter().flatten().any(|cell| is_missing(text(cell), true)) {
             return Ok(None);
         }
         let number = |cell: usize| with_point(text(cell), separator).parse::<f64>().ok();
@@ -207,23 +204,23 @@ impl Used {
         let named = |cell: usize, expected: &'static str| {
             Some(text(cell).to_owned()).filter(|name| !is_missing(name, false)).ok_or((cell, expected))
         };
-        let (total, expected) = match self.total {
+        let (total, expected) = match trials {
             Some(cell) => (count(cell, "a number of trials")?, "a number of correct answers"),
             None => (1, "1 for a correct answer, or 0"),
         };
-        let correct = count(self.correct, expected)?;
-        if correct > total {
-            let expected = if self.total.is_some() { "no more correct answers than trials" } else { expected };
-            return Err((self.correct, expected));
+        let right = count(correct, expected)?;
+        if right > total {
+            let expected = if trials.is_some() { "no more correct answers than trials" } else { expected };
+            return Err((correct, expected));
         }
-        let level = number(self.level).filter(|level| level.is_finite());
+        let value = number(level).filter(|level| level.is_finite());
         Ok(Some(AnswerRow {
-            subject: self.subject.map_or(Ok("all".to_owned()), |cell| named(cell, "a participant"))?,
-            factors: self.factors.iter().map(|cell| named(*cell, "a level")).collect::<Result<_, _>>()?,
-            level: level.ok_or((self.level, "a level, which is a number"))?,
-            correct,
+            subject: if self.has_subject { named(subject, "a participant")? } else { "all".to_owned() },
+            factors: factors[..self.factors].iter().map(|cell| named(*cell, "a level")).collect::<Result<_, _>>()?,
+            level: value.ok_or((level, "a level, which is a number"))?,
+            correct: right,
             total,
-            is_simulated: self.simulated.is_some_and(|cell| is_mark(text(cell))),
+            is_simulated: simulated.is_some_and(|cell| is_mark(text(cell))),
         }))
     }
 }
