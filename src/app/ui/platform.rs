@@ -17,7 +17,7 @@ use x11rb::{
 
 use super::fields::number;
 use crate::{
-    display::{DisplayProfile, Monitor, Screen, Viewing},
+    display::{DisplayProfile, Monitor, Screen},
     store::{profile, settings::ScreenFields},
 };
 
@@ -169,14 +169,6 @@ impl ScreenFields {
             "" => Ok(DisplayProfile::default()),
             path => profile::open(Path::new(path)).map_err(|error| error.to_string()),
         }
-    }
-
-    /// Returns the geometry of this screen.
-    ///
-    /// # Errors
-    /// A length is impossible, or is not a number.
-    pub fn viewing(&self, monitor: &Monitor) -> Result<Viewing, String> {
-        Viewing::new(self.screen(monitor)?, self.distance()?)
     }
 
     /// Returns this screen.
