@@ -37,7 +37,7 @@ pub fn open(path: &Path) -> Result<Readings, FileErrors> {
         return parse(&file, &read_text(path)?);
     }
     let found = psychtoolbox(&bytes).map_err(|message| FileErrors::whole(&file, message))?;
-    complete(&file, found.into_iter().map(|reading| Row { reading, places: None }).collect(), Vec::new())
+    complete(&file, found, Vec::new())
 }
 
 /// Parses the text of a readings file; `file` identifies it in messages.
@@ -46,11 +46,7 @@ pub fn open(path: &Path) -> Result<Readings, FileErrors> {
 /// The same errors as [`open()`].
 pub fn parse(file: &str, text: &str) -> Result<Readings, FileErrors> {
     let (rows, unread) = match of_other_program(text) {
-        Some(found) => {
-            let found = found.map_err(|message| FileErrors::whole(file, message))?;
-            let row = |(reading, line)| Row { reading, places: Some([(line, 1); 3]) };
-            (found.into_iter().map(row).collect(), Vec::new())
-        }
+        Some(found) => (found.map_err(|message| FileErrors::whole(file, message))?, Vec::new()),
         None => rows(file, text)?,
     };
     complete(file, rows, unread)
@@ -120,11 +116,18 @@ pub fn write(writer: &Writer, path: &Path, readings: &[Reading]) -> Result<(), S
     writer.write(path, text.as_bytes())
 }
 
-/// A reading, and the line and column of each of its cells in the order of [`COLUMNS`], if it comes from text.
+/// A reading, and the line and column of each of its cells in the order of [`COLUMNS`], if it comes from a table.
 #[derive(Clone)]
 struct Row {
     reading: Reading,
     places: Option<[(usize, usize); 3]>,
+}
+
+impl Row {
+    /// Makes a row of a file that has no cells.
+    fn of(channel: Channel, level: f64, luminance_cd_m2: f64) -> Self {
+        Self { reading: Reading { channel, level, luminance_cd_m2 }, places: None }
+    }
 }
 
 /// Returns the rows that are readings, and the errors in the others.
@@ -162,12 +165,9 @@ fn rows(file: &str, text: &str) -> Result<(Vec<Row>, Vec<FileError>), FileErrors
     }
 }
 
-/// A reading, and its line in the file.
-type Found = (Reading, usize);
-
 /// Reads the readings of another program; `None` if the text is not one of these formats. Mixed colors are not readings of a
 /// channel and are left out.
-fn of_other_program(text: &str) -> Option<Result<Vec<Found>, String>> {
+fn of_other_program(text: &str) -> Option<Result<Vec<Row>, String>> {
     // Editors may put a mark before the first character.
     let text = text.trim_start_matches('\u{feff}');
     match text.split_whitespace().next()? {
@@ -181,98 +181,75 @@ fn of_other_program(text: &str) -> Option<Result<Vec<Found>, String>> {
 }
 
 /// Reads a CGATS table with the fields `RGB_R`, `RGB_G`, `RGB_B` and `XYZ_Y`.
-fn cgats(text: &str) -> Result<Vec<Found>, String> {
-    let mut fields: Vec<&str> = Vec::new();
-    let (mut in_format, mut in_data, mut is_whole) = (false, false, false);
-    let (mut white_cd_m2, mut relative, mut sets) = (None, false, None);
-    let mut rows: Vec<([f64; 3], f64, usize)> = Vec::new();
-    for (line, content) in (1..).zip(text.lines()) {
-        let words: Vec<&str> = content.split_whitespace().collect();
-        match words.first().copied() {
-            Some("BEGIN_DATA_FORMAT") => in_format = true,
-            Some("END_DATA_FORMAT") => in_format = false,
-            Some("BEGIN_DATA") => in_data = true,
-            // A second table describes something else.
-            Some("END_DATA") => {
-                is_whole = true;
-                break;
-            }
-            Some("LUMINANCE_XYZ_CDM2") => {
-                white_cd_m2 = words.get(2).and_then(|y| y.trim_matches('"').parse::<f64>().ok());
-            }
-            Some("NUMBER_OF_SETS") => sets = words.get(1).copied(),
-            Some("NORMALIZED_TO_Y_100") => relative = content.contains("YES"),
-            Some(_) if in_format => fields.extend(words),
-            Some(_) if in_data => {
-                let value = |name: &str| {
-                    let place = fields.iter().position(|field| *field == name);
-                    let place =
-                        place.ok_or_else(|| format!("has no field {name}; expected RGB_R, RGB_G, RGB_B, XYZ_Y"))?;
-                    let word = words.get(place).copied().unwrap_or_default();
-                    word.parse::<f64>()
-                        .map_err(|_| format!("line {line}: {name} {word:?} is not a number; expected one such as 12.5"))
-                };
-                rows.push(([value("RGB_R")?, value("RGB_G")?, value("RGB_B")?], value("XYZ_Y")?, line));
-            }
-            _ => {}
-        }
+fn cgats(text: &str) -> Result<Vec<Row>, String> {
+    let lines = || (1..).zip(text.lines()).map(|(line, text)| (line, text.split_whitespace().collect::<Vec<&str>>()));
+    // A second table describes something else.
+    let table: Vec<_> = lines().take_while(|(_, words)| words.first() != Some(&"END_DATA")).collect();
+    let place = |keyword: &str| table.iter().position(|(_, words)| words.first() == Some(&keyword));
+    let after = |keyword: &str| table[place(keyword).map_or(table.len(), |place| place + 1)..].iter();
+    let word = |keyword: &str, index: usize| table[place(keyword)?].1.get(index).copied();
+    let fields = after("BEGIN_DATA_FORMAT").take_while(|(_, words)| words.first() != Some(&"END_DATA_FORMAT"));
+    let fields: Vec<&str> = fields.flat_map(|(_, words)| words).copied().collect();
+    let mut rows = Vec::new();
+    for (line, words) in after("BEGIN_DATA").filter(|(_, words)| !words.is_empty()) {
+        let value = |name: &str| {
+            let place = fields.iter().position(|field| *field == name);
+            let place = place.ok_or_else(|| format!("has no field {name}; expected RGB_R, RGB_G, RGB_B, XYZ_Y"))?;
+            let word = words.get(place).copied().unwrap_or_default();
+            let wrong = |_| format!("line {line}: {name} {word:?} is not a number; expected one such as 12.5");
+            word.parse::<f64>().map_err(wrong)
+        };
+        rows.push(([value("RGB_R")?, value("RGB_G")?, value("RGB_B")?], value("XYZ_Y")?, *line));
     }
     if rows.is_empty() {
         return Err("has no data; expected a table between BEGIN_DATA and END_DATA".to_owned());
     }
-    if !is_whole {
+    if table.len() == lines().take(table.len() + 1).count() {
         return Err("ends within its data; expected END_DATA".to_owned());
     }
-    if let Some(sets) = sets.filter(|sets| *sets != rows.len().to_string()) {
+    if let Some(sets) = word("NUMBER_OF_SETS", 1).filter(|sets| *sets != rows.len().to_string()) {
         return Err(format!("has {} rows of data; expected {sets}, as NUMBER_OF_SETS says", rows.len()));
     }
-    let scale = match (relative, white_cd_m2) {
-        (false, _) => 1.0,
-        (true, Some(white)) => white / 100.0,
-        (true, None) => {
-            return Err(
-                "has luminances relative to white only; expected LUMINANCE_XYZ_CDM2 with that of white".to_owned()
-            );
-        }
-    };
+    let is_relative = word("NORMALIZED_TO_Y_100", 1).is_some_and(|word| word.contains("YES"));
+    let white_cd_m2 = word("LUMINANCE_XYZ_CDM2", 2).and_then(|y| y.trim_matches('"').parse::<f64>().ok());
+    let lacks_white = "has luminances relative to white only; expected LUMINANCE_XYZ_CDM2 with that of white";
+    let scale = if is_relative { white_cd_m2.ok_or(lacks_white)? / 100.0 } else { 1.0 };
     let largest = rows.iter().flat_map(|(rgb, ..)| rgb).fold(0.0_f64, |most, value| most.max(*value));
     let full = if largest > 100.0 { 255.0 } else { 100.0 };
     let mut found = Vec::new();
-    for (rgb, y, line) in &rows {
-        let levels = rgb.map(|value| value / full);
-        let channel = match levels {
-            [0.0, 0.0, 0.0] => continue,
+    for (rgb, y, line) in rows {
+        let channel = match rgb {
             [r, g, b] if r == g && g == b => Channel::Gray,
             [_, 0.0, 0.0] => Channel::Red,
             [0.0, _, 0.0] => Channel::Green,
             [0.0, 0.0, _] => Channel::Blue,
             _ => continue,
         };
-        let level = levels.into_iter().fold(0.0, f64::max);
-        found.push((Reading { channel, level, luminance_cd_m2: y * scale }, *line));
+        let level = rgb.into_iter().fold(0.0, f64::max) / full;
+        let reading = Reading { channel, level, luminance_cd_m2: y * scale };
+        found.push(Row { reading, places: Some([(line, 1); 3]) });
     }
     // A chart of colors has a few patches of pure primaries, which are not a curve beside the grays.
     let levels = |channel: Channel| {
-        let own = found.iter().filter(|(one, _)| one.channel == channel);
-        own.map(|(one, _)| one.level.to_bits()).collect::<HashSet<_>>().len()
+        let own = found.iter().map(|row| row.reading).filter(|one| one.channel == channel && one.level != 0.0);
+        own.map(|one| one.level.to_bits()).collect::<HashSet<_>>().len()
     };
     let is_curve = |channel: &Channel| match levels(Channel::Gray) {
         0 => levels(*channel) > 0,
         _ => levels(*channel) + 1 >= MIN_LEVELS,
     };
     let channels: Vec<Channel> = Channel::ALL.iter().copied().filter(is_curve).collect();
-    found.retain(|(one, _)| channels.contains(&one.channel));
-    if let Some(channel) = channels.first() {
-        let blacks = rows.iter().filter(|(rgb, ..)| *rgb == [0.0; 3]);
-        let black = |y: f64| Reading { channel: *channel, level: 0.0, luminance_cd_m2: y * scale };
-        found.extend(blacks.map(|(_, y, line)| (black(*y), *line)));
+    // Black is no gray where no grays were read.
+    for row in found.iter_mut().filter(|row| row.reading.level == 0.0) {
+        row.reading.channel = channels.first().copied().unwrap_or(Channel::Gray);
     }
+    found.retain(|row| channels.contains(&row.reading.channel));
     Ok(found)
 }
 
 /// Reads the newest calibration in a monitor file of PsychoPy: `levelsPre`, 0 to 255, and `lumsPre`, one row for gray and
 /// then one each for red, green and blue.
-fn psychopy(text: &str) -> Result<Vec<Found>, String> {
+fn psychopy(text: &str) -> Result<Vec<Row>, String> {
     let file: Value = serde_json::from_str(text).map_err(|error| format!("is not valid JSON: {error}"))?;
     let has_readings = |one: &&Value| one.get("levelsPre").is_some_and(|levels| !levels.is_null());
     let all = file.as_object().into_iter().flat_map(|all| all.values());
@@ -293,16 +270,14 @@ fn psychopy(text: &str) -> Result<Vec<Found>, String> {
         let lums = numbers(row).filter(|lums| lums.len() == levels.len());
         let lums =
             lums.ok_or_else(|| format!("lumsPre has a row without {} numbers, one for each level", levels.len()))?;
-        let reading =
-            |(level, luminance_cd_m2): (&f64, f64)| Reading { channel, level: level / 255.0, luminance_cd_m2 };
-        found.extend(levels.iter().zip(lums).map(reading).map(|reading| (reading, 1)));
+        found.extend(levels.iter().zip(lums).map(|(level, light)| Row::of(channel, level / 255.0, light)));
     }
     Ok(found)
 }
 
 /// Reads the newest calibration in a file of Psychtoolbox: `cals`, or `cal` alone. The light of each primary is its spectrum
 /// `P_device`, in W/(sr·m²) per band, times its raw gamma table; what remains at black is `P_ambient`.
-fn psychtoolbox(bytes: &[u8]) -> Result<Vec<Reading>, String> {
+fn psychtoolbox(bytes: &[u8]) -> Result<Vec<Row>, String> {
     let file = mat::variables(bytes)?;
     let cal = match file.field("cals").or_else(|| file.field("cal")) {
         Some(MatValue::List(all)) => all.last(),
@@ -345,7 +320,7 @@ fn psychtoolbox(bytes: &[u8]) -> Result<Vec<Reading>, String> {
         let of = |(level, share): (&f64, &f64)| (level / full, black + white * share);
         let read = levels.iter().zip(&table[index * rows..][..rows]).map(of).filter(|(level, _)| *level > 0.0);
         let all = [(0.0, black)].into_iter().chain(read);
-        found.extend(all.map(|(level, luminance_cd_m2)| Reading { channel: *channel, level, luminance_cd_m2 }));
+        found.extend(all.map(|(level, light)| Row::of(*channel, level, light)));
     }
     Ok(found)
 }
