@@ -6,7 +6,7 @@ use std::ops::RangeInclusive;
 use machband::{
     display::{
         Channel,
-        matching::{ChannelGamma, Match, MatchSettings, Matching, estimate},
+        matching::{ChannelGamma, Match, MatchSettings, Matching, Rows, estimate},
         photometer::{
             Calibration, Family, Patch, Reading, Readings, ReadingsError, additivity, drift_percent, largest_percent,
             patches,
@@ -332,7 +332,8 @@ fn gamma_is_recovered_within_five_minutes() {
 #[test]
 fn the_picture_has_rows_and_a_patch() {
     for (row_px, period) in [(1, 4), (2, 2)] {
-        let settings = MatchSettings { row_px, period, channels: vec![Channel::Gray], ..MatchSettings::default() };
+        let rows = Rows { lit: 1, period, row_px };
+        let settings = MatchSettings { rows, channels: vec![Channel::Gray], ..MatchSettings::default() };
         let shown = Matching::new(&settings, 2, Vec::new()).unwrap().shown().unwrap();
         let image = shown.rows.picture(shown.channel, shown.channel.rgb(shown.code), [120; 2], 50);
         let column = |x: u32| -> Vec<u16> { (0..120).map(|y| image.pixel(x, y)[0]).collect() };

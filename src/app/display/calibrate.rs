@@ -6,9 +6,12 @@ use std::path::{Path, PathBuf};
 use eframe::egui::{self, Color32, Context, Ui, ViewportCommand};
 
 use crate::{
-    app::ui::{
-        Field, FileKind, Monitor, Saving, Step, hint, neutral_primary, paragraph, secondary, section, show_error, text,
-        today, tool_page,
+    app::{
+        analysis::TableView,
+        ui::{
+            Field, FileKind, Monitor, Saving, Step, figure::FigureView, hint, neutral_primary, note, paragraph,
+            secondary, section, show_error, text, today, tool_page,
+        },
     },
     display::{Channel, DisplayProfile, Measurement, Viewing},
     store::profile,
@@ -37,11 +40,6 @@ pub trait Tool {
 
 /// A way to measure the light of a screen.
 pub trait Method {
-    /// The run that takes the measurements.
-    type Run: Run;
-    /// The findings from the measurements.
-    type Findings: Findings;
-
     const TITLE: &'static str;
     /// A description of the method, in a few sentences.
     const INTRODUCTION: &'static str;
@@ -65,7 +63,13 @@ pub trait Method {
     ///
     /// # Errors
     /// If a run with these settings is not possible, or if the file has other settings or cannot be written.
-    fn begin(&self, channels: &[Channel], file: &Path) -> Result<Self::Run, String>;
+    fn begin(&self, channels: &[Channel], file: &Path) -> Result<Box<dyn Run>, String>;
+
+    /// Returns what a file of measurements says about a screen, of which the rest is known.
+    ///
+    /// # Errors
+    /// The reasons why no profile can be made from the file, one per line.
+    fn read(file: &Path, known: &DisplayProfile) -> Result<Findings, String>;
 }
 
 /// A run that takes measurements. Each one is saved to the file before the next is requested.
@@ -75,32 +79,20 @@ pub trait Run {
 }
 
 /// What a method finds from its measurements.
-pub trait Findings: Sized {
-    /// Reads a file of measurements.
-    ///
-    /// # Errors
-    /// The reasons why no profile can be made from the file, one per line.
-    fn read(path: &Path) -> Result<Self, String>;
-
-    /// Draws a summary in a few lines, with any choice that the user must make.
-    fn summary(&mut self, ui: &mut Ui);
-
-    /// Draws plots and tables.
-    fn details(&mut self, _: &mut Ui) {}
-
-    /// Returns the known profile, updated with the findings; `None` if they are insufficient.
-    fn profile(&self, _: &DisplayProfile) -> Option<DisplayProfile> {
-        None
-    }
-
-    /// Returns a description of the instrument, for the profile.
-    fn instrument(&self) -> String {
-        "photometer".to_owned()
-    }
+#[derive(Default)]
+pub struct Findings {
+    /// What is said about them, and whether it deserves attention.
+    pub told: Vec<(String, bool)>,
+    pub figure: Option<FigureView>,
+    pub tables: Vec<TableView>,
+    /// The known profile with what was found; `None` if that is not enough, or not for a profile.
+    pub profile: Option<DisplayProfile>,
+    /// What measured, for the profile.
+    pub instrument: String,
 }
 
 /// A file of measurements, and either the findings with the profile's form, or the errors.
-type Found<M> = (PathBuf, Result<(<M as Method>::Findings, ProfileForm), String>);
+type Found = (PathBuf, Result<(Findings, ProfileForm), String>);
 
 /// The page of a method: settings, then a run, then the findings.
 pub struct Calibrate<M: Method> {
@@ -114,9 +106,9 @@ pub struct Calibrate<M: Method> {
     /// Whether to measure red, green and blue, and whether to measure gray.
     channels: [bool; 2],
     /// The current run.
-    run: Option<M::Run>,
+    run: Option<Box<dyn Run>>,
     /// The findings, once there are measurements.
-    found: Option<Found<M>>,
+    found: Option<Found>,
 }
 
 impl<M: Method> Calibrate<M> {
@@ -201,9 +193,9 @@ impl<M: Method> Calibrate<M> {
         }
     }
 
-    fn findings(&self, source: &Path) -> Result<(M::Findings, ProfileForm), String> {
-        let found = M::Findings::read(source)?;
-        let form = ProfileForm::new(&self.known, found.instrument());
+    fn findings(&self, source: &Path) -> Result<(Findings, ProfileForm), String> {
+        let found = M::read(source, &self.known)?;
+        let form = ProfileForm::new(&self.known, found.instrument.clone());
         Ok((found, form))
     }
 
@@ -214,12 +206,13 @@ impl<M: Method> Calibrate<M> {
             paragraph(ui, secondary(source.display().to_string()));
             match result {
                 Ok((found, form)) => {
-                    found.summary(ui);
-                    if let Some(profile) = found.profile(&self.known) {
-                        saved = form.show(ui, &profile);
+                    for (text, warns) in &found.told {
+                        if *warns { note(ui, text) } else { paragraph(ui, text) }
                     }
+                    saved = found.profile.as_ref().and_then(|profile| form.show(ui, profile));
                     ui.add_space(8.0);
-                    found.details(ui);
+                    found.figure.iter_mut().for_each(|figure| figure.show(ui));
+                    found.tables.iter_mut().enumerate().for_each(|(id, table)| table.show(ui, id));
                 }
                 Err(errors) => {
                     ui.label("No profile can be made from these measurements:");

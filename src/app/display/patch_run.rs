@@ -14,7 +14,7 @@ use crate::{
         ui::{Step, describe, number, paragraph, theme::ink},
     },
     display::photometer::{Patch, Reading, is_same_level},
-    store::{FileErrors, StoreError, Writer, readings},
+    store::{StoreError, Writer, readings},
     system::found,
 };
 
@@ -59,20 +59,21 @@ impl PatchRun {
         settle_s: f64,
         percents: Vec<u32>,
         around: Color32,
-    ) -> Result<Self, StoreError> {
+    ) -> Result<Box<dyn Run>, String> {
         let mut readings = vec![None; patches.len()];
-        let is_known = found(path).map_err(|error| StoreError::io(path, "access", error))?.is_some();
+        let is_known = found(path).map_err(|error| format!("{}: {error}", path.display()))?.is_some();
         if is_known {
-            for one in readings::open_incomplete(path)? {
+            for one in readings::open_incomplete(path).map_err(|errors| errors.to_string())? {
                 let same = |patch: &Patch| patch.channel == one.channel && is_same_level(patch.level, one.level);
                 let free = (0..readings.len()).find(|at| readings[*at].is_none() && same(&patches[*at]));
                 let Some(free) = free else {
-                    let what = format!(
-                        "has a reading of {} at level {} that these settings do not include; expected another file, or \
+                    return Err(format!(
+                        "{}: has a reading of {} at level {} that these settings do not include; expected another file, or \
                             the original settings",
-                        one.channel, one.level
-                    );
-                    return Err(FileErrors::whole(path, what).into());
+                        path.display(),
+                        one.channel,
+                        one.level
+                    ));
                 };
                 readings[free] = Some(one.luminance_cd_m2);
             }
@@ -94,9 +95,9 @@ impl PatchRun {
         // The file is written before the first reading, so that an unwritable file is reported now. A complete one stays
         // as it is.
         if run.at < run.patches.len() {
-            run.write(is_known)?;
+            run.write(is_known).map_err(|error| error.to_string())?;
         }
-        Ok(run)
+        Ok(Box::new(run))
     }
 
     fn write(&self, replaces: bool) -> Result<(), StoreError> {

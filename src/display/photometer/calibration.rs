@@ -54,8 +54,9 @@ pub struct FittedModel {
     pub channels: Vec<FittedChannel>,
     /// How well the model predicts levels that are left out.
     pub validation: Validation,
-    /// How far the readings are from this model: the root mean square, relative to the light.
-    misfit: f64,
+    /// How far the readings are from this model: the root mean square, relative to the light. It is their noise if the
+    /// model is correct.
+    pub misfit: f64,
 }
 
 /// One channel of a fitted model.
@@ -77,9 +78,6 @@ pub struct FittedChannel {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibration {
     pub readings: Readings,
-    /// How far the readings are from the chosen model: the root mean square, relative to the light. It is their noise if
-    /// the model is correct.
-    pub misfit: f64,
     /// One model of each family, in the order of [`Family::ALL`].
     pub models: Vec<FittedModel>,
     /// The model to use: the one that cross-validation prefers.
@@ -98,12 +96,10 @@ impl Calibration {
         let sample = Sample::new(readings);
         let models: Vec<FittedModel> = Family::ALL.iter().map(|family| model(*family, &sample)).collect();
         let chosen = simplest_of_the_best(&models.iter().map(|model| &model.validation).collect::<Vec<_>>());
-        let (chosen, misfit) = (models[chosen].family, models[chosen].misfit);
         let mut calibration = Self {
             readings: readings.clone(),
-            misfit,
+            chosen: models[chosen].family,
             models,
-            chosen,
             additivity: additivity(readings),
             drift_percent: drift_percent(readings),
             notes: Vec::new(),
@@ -269,7 +265,8 @@ fn notes(calibration: &Calibration) -> Vec<String> {
     if calibration.chosen == Family::Table {
         notes.push("no curve fits the readings within their noise, so the table is used".to_owned());
     }
-    let errors = calibration.model(calibration.chosen).channels.iter().filter_map(|channel| channel.gamma_se);
+    let chosen = calibration.model(calibration.chosen);
+    let errors = chosen.channels.iter().filter_map(|channel| channel.gamma_se);
     let largest = errors.fold(0.0, f64::max);
     if largest > UNCERTAIN_GAMMA {
         notes.push(format!(
@@ -277,10 +274,10 @@ fn notes(calibration: &Calibration) -> Vec<String> {
             Z_95 * largest
         ));
     }
-    if calibration.misfit > UNSTEADY {
+    if chosen.misfit > UNSTEADY {
         notes.push(format!(
             "readings differ from the chosen model by {:.1} %: use a steadier photometer, or take several readings per level",
-            100.0 * calibration.misfit
+            100.0 * chosen.misfit
         ));
     }
     notes
