@@ -35,7 +35,7 @@ use window::Program;
 
 use crate::{display::DisplayProfile, store::settings::remember};
 
-pub use display::TimingReport;
+pub use display::judged_frames;
 pub use session::Request;
 pub use ui::{Monitor, pixels::icon, platform::is_resampled};
 pub use window::{Input, Pressed, Stamps, WindowError};
@@ -223,7 +223,7 @@ impl App {
     /// Returns the page that measures the screen, while it does so. As in a trial, the window shows nothing else.
     fn measured(&mut self) -> Option<&mut display::Display> {
         let shown = self.session.is_none() && self.place == Place::Display;
-        Some(&mut self.display).filter(|display| shown && display.ground().is_some())
+        Some(&mut self.display).filter(|display| shown && display.measures())
     }
 
     fn draw_dialogs(&mut self, ctx: &egui::Context) {
@@ -278,7 +278,7 @@ impl eframe::App for App {
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
         let ground = match &self.session {
             Some(session) => Some(session.ground()),
-            None if self.place == Place::Display => self.display.ground(),
+            None if self.place == Place::Display && self.display.measures() => Some(egui::Color32::BLACK),
             None => None,
         };
         ground.unwrap_or(ui::theme::ink_of(visuals).page).to_normalized_gamma_f32()

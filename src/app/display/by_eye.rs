@@ -5,7 +5,7 @@ use std::path::Path;
 use eframe::egui;
 
 use super::{
-    calibrate::{Findings, LABELS, Method, Run, SLIDER},
+    calibrate::{Findings, LABELS, Method, Run, SLIDER, Texts},
     match_run::MatchRun,
 };
 use crate::{
@@ -36,12 +36,17 @@ impl ByEye {
 }
 
 impl Method for ByEye {
-    const FORMAT: &'static str = "A CSV file that this page has written can be used again.";
-    const INTRODUCTION: &'static str = "This needs no photometer. If one of every four rows in a field is lit, the \
-        field emits a quarter of the full light, whatever the screen's gamma. Adjust the square in the field until it \
-        vanishes. Gamma is estimated from several such matches.";
-    const ITEMS: &'static str = "matches";
-    const TITLE: &'static str = "Gamma by eye";
+    fn texts(&self) -> Texts {
+        Texts {
+            title: "Gamma by eye",
+            purpose: "No photometer needed: match a square to a field of rows in each channel. This takes about five minutes.",
+            introduction: "This needs no photometer. If one of every four rows in a field is lit, the field emits a quarter \
+                of the full light, whatever the screen's gamma. Adjust the square in the field until it vanishes. Gamma is \
+                estimated from several such matches.",
+            items: "matches",
+            format: Some("A CSV file that this page has written can be used again."),
+        }
+    }
 
     fn fields(&mut self, ui: &mut egui::Ui, viewing: Option<&Viewing>) {
         let settings = &mut self.0;
@@ -86,7 +91,7 @@ impl Method for ByEye {
         Ok(Box::new(MatchRun::new(matching, file)))
     }
 
-    fn read(file: &Path, known: &DisplayProfile) -> Result<Findings, String> {
+    fn read(&self, file: &Path, known: &DisplayProfile) -> Result<Findings, String> {
         let matches = matches::open(file).map_err(|errors| errors.to_string())?;
         let (channels, mut told) = (estimate(&matches), Vec::new());
         for (channel, found) in &channels {

@@ -4,8 +4,8 @@ use eframe::egui::{self, CursorIcon, Event, Key, TextureHandle};
 
 use crate::{
     app::{
-        display::calibrate::Run,
-        ui::{Step, describe, pixels, secondary, show_error, window_px, work::Kept},
+        display::calibrate::{Findings, Run},
+        ui::{Monitor, Step, describe, pixels, secondary, show_error, window_px, work::Kept},
     },
     display::matching::{GAP_S, Match, Matching},
     store::{StoreError, matches::MatchFile},
@@ -114,7 +114,7 @@ impl MatchRun {
 
 impl Run for MatchRun {
     /// Handles the keys, then draws the field.
-    fn show(&mut self, ui: &mut egui::Ui) -> Step<()> {
+    fn show(&mut self, ui: &mut egui::Ui, _: &Monitor) -> Step<Option<Findings>> {
         let now = ui.input(|input| input.time);
         let mut due_s = *self.due_s.get_or_insert(now + GAP_S);
         self.start_s.get_or_insert(due_s);
@@ -130,7 +130,7 @@ impl Run for MatchRun {
             self.press(key, repeat, now, due_s);
             due_s = self.due_s.unwrap_or(due_s);
         }
-        let Some(shown) = self.matching.shown() else { return Step::Next(()) };
+        let Some(shown) = self.matching.shown() else { return Step::Next(None) };
         ui.ctx().set_cursor_icon(CursorIcon::None);
         egui::CentralPanel::default().frame(egui::Frame::NONE).show(ui, |ui| {
             if now < due_s {

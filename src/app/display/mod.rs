@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`tools`] | what is known about the screen, and the list of tools |
 //! | [`screen`] | the fields for the screen, and measuring it with a bank card |
-//! | [`calibrate`] | what tools have in common; the stages that both ways to measure light share |
+//! | [`calibrate`] | what tools share: settings, a run, findings, and the profile to save |
 //! | [`photometer`], [`patch_run`] | calibration with a photometer: settings and findings; the patches |
 //! | [`sizes`] | whether the luminance depends on the size of a patch |
 //! | [`by_eye`], [`match_run`] | matching by eye: settings and findings; the matches |
@@ -21,5 +21,5 @@ mod timing;
 mod tools;
 
 pub use screen::{CheckedScreen, ScreenForm};
-pub use timing::TimingReport;
+pub use timing::judged_frames;
 pub use tools::Display;

@@ -10,8 +10,8 @@ use eframe::egui::{
 
 use crate::{
     app::{
-        display::calibrate::Run,
-        ui::{Step, describe, number, paragraph, theme::ink},
+        display::calibrate::{Findings, Run},
+        ui::{Monitor, Step, describe, number, paragraph, theme::ink},
     },
     display::photometer::{Patch, Reading, is_same_level},
     store::{StoreError, Writer, readings},
@@ -107,7 +107,7 @@ impl PatchRun {
         readings::write(&Writer::new([], replaces), &self.path, &read.collect::<Vec<_>>())
     }
 
-    fn line(&mut self, ui: &mut egui::Ui, at: usize, remaining_s: f64) -> Step<()> {
+    fn line(&mut self, ui: &mut egui::Ui, at: usize, remaining_s: f64) -> Step<Option<Findings>> {
         ui.visuals_mut().override_text_color = Some(DIM);
         let patch = self.patches[at];
         let mut accept = false;
@@ -145,7 +145,7 @@ impl PatchRun {
         }
         match () {
             () if pause => Step::Back,
-            () if self.at == self.patches.len() => Step::Next(()),
+            () if self.at == self.patches.len() => Step::Next(None),
             () => Step::Stay,
         }
     }
@@ -213,10 +213,10 @@ impl PatchRun {
 }
 
 impl Run for PatchRun {
-    fn show(&mut self, ui: &mut egui::Ui) -> Step<()> {
+    fn show(&mut self, ui: &mut egui::Ui, _: &Monitor) -> Step<Option<Findings>> {
         let at = self.at;
         if at == self.patches.len() {
-            return Step::Next(());
+            return Step::Next(None);
         }
         let now = ui.input(|input| input.time);
         let remaining_s = self.settle_s - (now - *self.since.get_or_insert(now));

@@ -5,7 +5,7 @@ use std::path::Path;
 use eframe::egui::{self, Color32};
 
 use super::{
-    calibrate::{Findings, LABELS, Method, Run, SLIDER},
+    calibrate::{Findings, LABELS, Method, Run, SLIDER, Texts},
     patch_run::PatchRun,
 };
 use crate::{
@@ -50,11 +50,20 @@ impl Photometer {
 }
 
 impl Method for Photometer {
-    const FORMAT: &'static str = "Readings of other programs can be used: CSV with the columns channel,level,luminance_cd_m2, where channel is r, g, b or gray, and level is the code divided by the largest code, 0 to 1; .ti3 files of ArgyllCMS; monitor files of PsychoPy; .mat files of Psychtoolbox.";
-    const INTRODUCTION: &'static str = "Patches are shown one at a time; type each photometer reading. First let the \
-        screen warm up for half an hour, and darken the room.";
-    const ITEMS: &'static str = "readings";
-    const TITLE: &'static str = "Photometer";
+    fn texts(&self) -> Texts {
+        Texts {
+            title: "Photometer",
+            purpose: "Measure the luminance of every level: point a photometer at patches, or load readings from a file.",
+            introduction: "Patches are shown one at a time; type each photometer reading. First let the screen warm up for \
+                half an hour, and darken the room.",
+            items: "readings",
+            format: Some(
+                "Readings of other programs can be used: CSV with the columns channel,level,luminance_cd_m2, where channel is \
+                    r, g, b or gray, and level is the code divided by the largest code, 0 to 1; .ti3 files of ArgyllCMS; \
+                    monitor files of PsychoPy; .mat files of Psychtoolbox.",
+            ),
+        }
+    }
 
     fn fields(&mut self, ui: &mut egui::Ui, _: Option<&Viewing>) {
         let field = |label| Field::new(label).column(LABELS).width(SLIDER);
@@ -77,7 +86,7 @@ impl Method for Photometer {
         PatchRun::begin(self.patches(channels)?, file, self.settle_s, vec![self.percent], around)
     }
 
-    fn read(file: &Path, known: &DisplayProfile) -> Result<Findings, String> {
+    fn read(&self, file: &Path, known: &DisplayProfile) -> Result<Findings, String> {
         let request = Calibrate::of(file.to_owned());
         let made = request.calibrate("").map_err(|error| error.to_string())?;
         let found = made.sentences().into_iter().map(|sentence| (sentence, false));

@@ -5,7 +5,7 @@ use std::path::Path;
 use eframe::egui::{self, Color32};
 
 use super::{
-    calibrate::{Findings, LABELS, Method, Run, SLIDER},
+    calibrate::{Findings, LABELS, Method, Run, SLIDER, Texts},
     patch_run::PatchRun,
     photometer::{READING_S, SETTLING_S},
 };
@@ -26,14 +26,16 @@ pub struct SizeTest {
 }
 
 impl Method for SizeTest {
-    const FORMAT: &'static str =
-        "A CSV file can be used that has one row for each size, from the smallest to the largest.";
-    const HAS_CHANNELS: bool = false;
-    const INTRODUCTION: &'static str = "White patches of five sizes on black are shown one at a time; type each \
-        photometer reading. Some screens, OLED ones above all, dim large bright areas, so that a profile holds for one \
-        size only.";
-    const ITEMS: &'static str = "sizes";
-    const TITLE: &'static str = "Patch size";
+    fn texts(&self) -> Texts {
+        Texts {
+            title: "Patch size",
+            purpose: "Find out with a photometer whether the screen dims large bright areas, as OLED screens do.",
+            introduction: "White patches of five sizes on black are shown one at a time; type each photometer reading. Some \
+                screens, OLED ones above all, dim large bright areas, so that a profile holds for one size only.",
+            items: "sizes",
+            format: Some("A CSV file can be used that has one row for each size, from the smallest to the largest."),
+        }
+    }
 
     fn fields(&mut self, ui: &mut egui::Ui, _: Option<&Viewing>) {
         let field = Field::new("Settling time, seconds").column(LABELS).width(SLIDER);
@@ -49,7 +51,7 @@ impl Method for SizeTest {
         PatchRun::begin(vec![white; PERCENTS.len()], file, self.settle_s, PERCENTS.to_vec(), Color32::BLACK)
     }
 
-    fn read(file: &Path, _: &DisplayProfile) -> Result<Findings, String> {
+    fn read(&self, file: &Path, _: &DisplayProfile) -> Result<Findings, String> {
         let readings = readings::open_incomplete(file).map_err(|errors| errors.to_string())?;
         let whites = readings.iter().filter(|one| one.channel == Channel::Gray && one.level >= 1.0);
         let cd_m2: Vec<f64> = whites.map(|one| one.luminance_cd_m2).collect();
