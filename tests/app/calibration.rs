@@ -283,13 +283,15 @@ fn an_observer_finds_the_gamma_of_the_screen_with_the_keys() {
     let text = std::fs::read_to_string(&csv).unwrap();
     assert_eq!(text.lines().count(), 1 + 6 + 2, "every match is in the file, even the undone one: {text}");
     assert_eq!(matches::open(&csv).unwrap().len(), 6);
-    let errors = matches::parse("m.csv", &text.replace(",red,", ",rot,")).unwrap_err().to_string();
+    let wrong = folder.path().join("m.csv");
+    std::fs::write(&wrong, text.replace(",red,", ",rot,")).unwrap();
+    let errors = matches::open(&wrong).unwrap_err().to_string();
     assert!(errors.contains("expected one of red, green, blue, gray"), "{errors}");
     // An incomplete row, as after a power failure, is removed, and the next row follows the last complete one.
     std::fs::write(&csv, &text[..text.len() - 5]).unwrap();
-    let (mut file, done) = matches::MatchFile::resume(&csv).unwrap();
+    let (mut file, done) = matches::MatchFile::begin(&csv, 0).unwrap();
     assert_eq!(done.len(), 5);
     file.record(6, &done[0], 1.0, false).unwrap();
     assert_eq!(matches::open(&csv).unwrap().len(), 6);
-    assert!(matches::MatchFile::resume(&csv).is_err(), "the file is already open");
+    assert!(matches::MatchFile::begin(&csv, 0).is_err(), "the file is already open");
 }

@@ -19,7 +19,6 @@ use crate::{
     },
     report::names::capitalized,
     store::matches::{self, MatchFile},
-    system::found,
 };
 
 /// Periods per degree above which rows of full contrast blend. The limit of visual acuity is about 50 to 60.
@@ -80,12 +79,7 @@ impl Method for ByEye {
     }
 
     fn begin(&self, channels: &[Channel], path: &Path) -> Result<Box<dyn Run>, String> {
-        let is_known = found(path).map_err(|error| format!("{}: {error}", path.display()))?.is_some();
-        let (file, done) = if is_known {
-            MatchFile::resume(path).map_err(|error| error.to_string())?
-        } else {
-            (MatchFile::create(path, fresh_seed()).map_err(|error| error.to_string())?, Vec::new())
-        };
+        let (file, done) = MatchFile::begin(path, fresh_seed()).map_err(|error| error.to_string())?;
         let matching = Matching::new(&self.settings(channels), file.seed, done)
             .map_err(|error| format!("{}: {error}", path.display()))?;
         Ok(Box::new(MatchRun::new(matching, file)))

@@ -138,10 +138,10 @@ impl PatchRun {
             paragraph(ui, RichText::new(message).small().color(ink(ui).warn.gamma_multiply(0.7)));
         }
         if accept {
-            self.accept(at, remaining_s);
+            self.select = true;
+            self.message = self.accept(at, remaining_s).err();
         } else if previous && at > 0 {
-            self.at = at - 1;
-            self.prepare_line(self.readings[at - 1]);
+            self.show_patch(at - 1);
         }
         match () {
             () if pause => Step::Back,
@@ -150,47 +150,33 @@ impl PatchRun {
         }
     }
 
-    /// Accepts the typed text as the reading of a patch, or says why not.
-    fn accept(&mut self, at: usize, remaining_s: f64) {
-        self.select = true;
-        let value = number(&self.entry).filter(|value| *value >= 0.0);
-        self.message = match value {
-            None => {
-                Some(format!("{:?} is not a luminance; expected cd/m², 0 or more, such as 12.3", self.entry.trim()))
-            }
-            Some(_) if remaining_s > 0.0 => {
-                Some("The patch has not settled yet. Read it again, then press Enter.".to_owned())
-            }
-            Some(value) => match self.implausible(at, value).filter(|_| self.unconfirmed != Some(value)) {
-                Some(warning) => {
-                    self.unconfirmed = Some(value);
-                    Some(warning)
-                }
-                None => self.take(at, value),
-            },
-        };
-    }
-
-    /// Stores a reading in memory and on disk; returns the error, if any.
-    fn take(&mut self, at: usize, value: f64) -> Option<String> {
+    /// Accepts the typed text as the reading of a patch, in memory and on disk, or says why not.
+    fn accept(&mut self, at: usize, remaining_s: f64) -> Result<(), String> {
+        let wrong = || format!("{:?} is not a luminance; expected cd/m², 0 or more, such as 12.3", self.entry.trim());
+        let value = number(&self.entry).filter(|value| *value >= 0.0).ok_or_else(wrong)?;
+        if remaining_s > 0.0 {
+            return Err("The patch has not settled yet. Read it again, then press Enter.".to_owned());
+        }
+        if let Some(warning) = self.implausible(at, value).filter(|_| self.unconfirmed != Some(value)) {
+            self.unconfirmed = Some(value);
+            return Err(warning);
+        }
         let before = self.readings[at].replace(value);
         if let Err(error) = self.write(true) {
             // The typed text stays in the line, so that the user can try again.
             self.readings[at] = before;
-            return Some(error.to_string());
+            return Err(error.to_string());
         }
-        self.at = first_unread(&self.readings);
-        self.prepare_line(None);
-        None
+        self.show_patch(first_unread(&self.readings));
+        Ok(())
     }
 
-    /// Prepares the line for the next patch: it is empty, or contains the patch's previous reading.
-    fn prepare_line(&mut self, before: Option<f64>) {
+    /// Shows a patch. The line is empty, or contains the patch's previous reading.
+    fn show_patch(&mut self, at: usize) {
+        let before = self.readings.get(at).copied().flatten();
         self.entry = before.map_or_else(String::new, |value| value.to_string());
-        self.select = true;
-        self.since = None;
-        self.message = None;
-        self.unconfirmed = None;
+        (self.at, self.select) = (at, true);
+        (self.since, self.message, self.unconfirmed) = (None, None, None);
     }
 
     /// Returns the reason why a reading may be a typing error: it is below the reading of a lower level or above that
