@@ -64,11 +64,6 @@ impl Screen {
         Ok(Screen { width_px, height_px, width_cm })
     }
 
-    /// Height of the lit part in centimeters.
-    pub fn height_cm(&self) -> f64 {
-        f64::from(self.height_px) / self.px_per_cm()
-    }
-
     /// Physical pixels per centimeter, the same in both directions.
     pub fn px_per_cm(&self) -> f64 {
         f64::from(self.width_px) / self.width_cm

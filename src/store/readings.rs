@@ -7,7 +7,6 @@ use serde_json::Value;
 
 use super::{
     FileError, FileErrors, StoreError, Writer,
-    error::RowErrors,
     file::{folder_of, read_bytes, read_text},
     mat::{self, Value as MatValue},
     table::{self, separator, with_point},
@@ -15,7 +14,7 @@ use super::{
 use crate::{
     display::{
         Channel,
-        photometer::{ErrorLocation, MIN_LEVELS, Reading, Readings},
+        photometer::{MIN_LEVELS, Part, Reading, Readings},
     },
     light::color::luminance_of_spectrum,
 };
@@ -29,15 +28,13 @@ const MAX_READINGS: usize = 4000;
 /// Reads a complete set of readings, sufficient for a profile, in the order in which they were taken.
 ///
 /// # Errors
-/// Reports every error, with its line and column if it is in a cell. If a column has many values that are not possible, only
-/// the first ones are listed, followed by the number of others.
+/// Reports every error, with its line and column if it is in a cell.
 pub fn open(path: &Path) -> Result<Readings, FileErrors> {
     let (file, bytes) = (path.display().to_string(), read_bytes(path, mat::MAX_BYTES, "a readable file")?);
     if !mat::is_mat(&bytes) {
         return parse(&file, &read_text(path)?);
     }
-    let found = psychtoolbox(&bytes).map_err(|message| FileErrors::whole(&file, message))?;
-    complete(&file, found, Vec::new())
+    complete(&file, psychtoolbox(&bytes).map_err(|message| FileErrors::whole(&file, message))?)
 }
 
 /// Parses the text of a readings file; `file` identifies it in messages.
@@ -45,52 +42,13 @@ pub fn open(path: &Path) -> Result<Readings, FileErrors> {
 /// # Errors
 /// The same errors as [`open()`].
 pub fn parse(file: &str, text: &str) -> Result<Readings, FileErrors> {
-    let (rows, unread) = match of_other_program(text) {
-        Some(found) => (found.map_err(|message| FileErrors::whole(file, message))?, Vec::new()),
-        None => rows(file, text)?,
-    };
-    complete(file, rows, unread)
-}
-
-/// Checks all readings; `unread` are the errors in the rows that are not readings.
-fn complete(file: &str, mut rows: Vec<Row>, unread: Vec<FileError>) -> Result<Readings, FileErrors> {
-    complete_black(&mut rows);
-    let found = match Readings::new(rows.iter().map(|row| row.reading).collect()) {
-        Ok(readings) if unread.is_empty() => return Ok(readings),
-        checked => checked.err().unwrap_or_default(),
-    };
-    let (mut errors, is_whole, mut others) = (RowErrors::default(), unread.is_empty(), unread);
-    for (location, message) in found {
-        let (index, column) = match location {
-            ErrorLocation::Luminance(index) => (index, 2),
-            ErrorLocation::Level(index) => (index, 1),
-            ErrorLocation::All => {
-                // What the rows that could not be read say is not known.
-                others.extend(is_whole.then(|| FileError::whole(file, message)));
-                continue;
-            }
-        };
-        errors.add(None, Some(column), || match rows[index].places {
-            Some(places) => FileError::at(file, places[column], message),
-            None => FileError::whole(file, message),
-        });
-    }
-    let mut all = [errors.finish(file, &COLUMNS), others].concat();
-    all.sort_by_key(|error| (error.position.is_none(), error.position));
-    Err(FileErrors(all))
-}
-
-/// Gives the reading of black to every channel that lacks it: all channels are dark in it.
-fn complete_black(rows: &mut Vec<Row>) {
-    let blacks: Vec<Row> = rows.iter().filter(|row| row.reading.level == 0.0).cloned().collect();
-    let Some(of) = blacks.first().map(|black| black.reading.channel) else { return };
-    for &channel in Channel::ALL {
-        let own = |row: &&Row| row.reading.channel == channel;
-        if rows.iter().any(|row| own(&row)) && !blacks.iter().any(|row| own(&row)) {
-            let one = blacks.iter().filter(|row| row.reading.channel == of);
-            rows.extend(one.map(|row| Row { reading: Reading { channel, ..row.reading }, ..row.clone() }));
-        }
-    }
+    complete(
+        file,
+        match of_other_program(text) {
+            Some(found) => found.map_err(|message| FileErrors::whole(file, message))?,
+            None => incomplete(file, text)?,
+        },
+    )
 }
 
 /// Reads the readings in a possibly incomplete file in order to resume it.
@@ -98,9 +56,21 @@ fn complete_black(rows: &mut Vec<Row>) {
 /// # Errors
 /// Reports rows that are not readings, with their line and column.
 pub fn open_incomplete(path: &Path) -> Result<Vec<Reading>, FileErrors> {
-    let (rows, errors) = rows(&path.display().to_string(), &read_text(path)?)?;
-    FileErrors::none(errors)?;
-    Ok(rows.into_iter().map(|row| row.reading).collect())
+    incomplete(&path.display().to_string(), &read_text(path)?)
+}
+
+/// Checks all readings. That of black is given to every channel that lacks it: all channels are dark in it.
+fn complete(file: &str, mut readings: Vec<Reading>) -> Result<Readings, FileErrors> {
+    let blacks: Vec<Reading> = readings.iter().filter(|one| one.level == 0.0).copied().collect();
+    for &channel in Channel::ALL {
+        let own = |one: &Reading| one.channel == channel;
+        if readings.iter().any(own) && !blacks.iter().any(own) {
+            let of_first = blacks.iter().filter(|one| one.channel == blacks[0].channel);
+            readings.extend(of_first.map(|one| Reading { channel, ..*one }));
+        }
+    }
+    let whole = |errors: Vec<String>| errors.into_iter().map(|error| FileError::whole(file, error)).collect();
+    Readings::new(readings).map_err(|errors| FileErrors(whole(errors)))
 }
 
 /// Writes readings, and creates their folder if necessary.
@@ -116,25 +86,11 @@ pub fn write(writer: &Writer, path: &Path, readings: &[Reading]) -> Result<(), S
     writer.write(path, text.as_bytes())
 }
 
-/// A reading, and the line and column of each of its cells in the order of [`COLUMNS`], if it comes from a table.
-#[derive(Clone)]
-struct Row {
-    reading: Reading,
-    places: Option<[(usize, usize); 3]>,
-}
-
-impl Row {
-    /// Makes a row of a file that has no cells.
-    fn of(channel: Channel, level: f64, luminance_cd_m2: f64) -> Self {
-        Self { reading: Reading { channel, level, luminance_cd_m2 }, places: None }
-    }
-}
-
-/// Returns the rows that are readings, and the errors in the others.
+/// Reads the rows of our own table.
 ///
 /// # Errors
-/// The header lacks a column, or there are too many readings.
-fn rows(file: &str, text: &str) -> Result<(Vec<Row>, Vec<FileError>), FileErrors> {
+/// The header lacks a column, a row is not a reading, or there are too many readings.
+fn incomplete(file: &str, text: &str) -> Result<Vec<Reading>, FileErrors> {
     let separator = separator(text.lines().next().unwrap_or_default().as_bytes());
     let header = |names: &[&str]| {
         let found = COLUMNS.map(|column| names.iter().position(|name| name.trim().eq_ignore_ascii_case(column)));
@@ -143,7 +99,7 @@ fn rows(file: &str, text: &str) -> Result<(Vec<Row>, Vec<FileError>), FileErrors
         let message = || format!("the header lacks {}; expected the columns {}", missing.join(", "), COLUMNS.join(","));
         if missing.is_empty() { Ok(found.map(Option::unwrap_or_default)) } else { Err((0, message())) }
     };
-    let (_, rows, errors) = table::parse(file, text.as_bytes(), separator, header, |columns, cells, row| {
+    let (_, rows, errors) = table::parse(file, text.as_bytes(), separator, header, |columns, cells, _| {
         let number = |index: usize| {
             let cell = cells[columns[index]].trim();
             let message = || format!("{} {cell:?} is not a number; expected one such as 0.5", COLUMNS[index]);
@@ -154,10 +110,13 @@ fn rows(file: &str, text: &str) -> Result<(Vec<Row>, Vec<FileError>), FileErrors
         let message = || (columns[0], format!("channel {name:?} is not known; expected r, g, b or gray"));
         let reading =
             Reading { channel: *channel.ok_or_else(message)?, level: number(1)?, luminance_cd_m2: number(2)? };
-        Ok(Row { reading, places: Some(columns.map(|column| row.place(column))) })
+        let place = |part| columns[if part == Part::Level { 1 } else { 2 }];
+        reading.check().map_err(|(part, message)| (place(part), message))?;
+        Ok(reading)
     })?;
+    FileErrors::none(errors)?;
     match rows.len() {
-        0..=MAX_READINGS => Ok((rows, errors)),
+        0..=MAX_READINGS => Ok(rows),
         many => {
             let message = format!("the number of readings is {many}; expected at most {MAX_READINGS}");
             Err(FileErrors::whole(file, message))
@@ -167,7 +126,7 @@ fn rows(file: &str, text: &str) -> Result<(Vec<Row>, Vec<FileError>), FileErrors
 
 /// Reads the readings of another program; `None` if the text is not one of these formats. Mixed colors are not readings of a
 /// channel and are left out.
-fn of_other_program(text: &str) -> Option<Result<Vec<Row>, String>> {
+fn of_other_program(text: &str) -> Option<Result<Vec<Reading>, String>> {
     // Editors may put a mark before the first character.
     let text = text.trim_start_matches('\u{feff}');
     match text.split_whitespace().next()? {
@@ -181,7 +140,7 @@ fn of_other_program(text: &str) -> Option<Result<Vec<Row>, String>> {
 }
 
 /// Reads a CGATS table with the fields `RGB_R`, `RGB_G`, `RGB_B` and `XYZ_Y`.
-fn cgats(text: &str) -> Result<Vec<Row>, String> {
+fn cgats(text: &str) -> Result<Vec<Reading>, String> {
     let lines = || (1..).zip(text.lines()).map(|(line, text)| (line, text.split_whitespace().collect::<Vec<&str>>()));
     // A second table describes something else.
     let table: Vec<_> = lines().take_while(|(_, words)| words.first() != Some(&"END_DATA")).collect();
@@ -227,11 +186,12 @@ fn cgats(text: &str) -> Result<Vec<Row>, String> {
         };
         let level = rgb.into_iter().fold(0.0, f64::max) / full;
         let reading = Reading { channel, level, luminance_cd_m2: y * scale };
-        found.push(Row { reading, places: Some([(line, 1); 3]) });
+        reading.check().map_err(|(_, message)| format!("line {line}: {message}"))?;
+        found.push(reading);
     }
     // A chart of colors has a few patches of pure primaries, which are not a curve beside the grays.
     let levels = |channel: Channel| {
-        let own = found.iter().map(|row| row.reading).filter(|one| one.channel == channel && one.level != 0.0);
+        let own = found.iter().filter(|one| one.channel == channel && one.level != 0.0);
         own.map(|one| one.level.to_bits()).collect::<HashSet<_>>().len()
     };
     let is_curve = |channel: &Channel| match levels(Channel::Gray) {
@@ -240,16 +200,16 @@ fn cgats(text: &str) -> Result<Vec<Row>, String> {
     };
     let channels: Vec<Channel> = Channel::ALL.iter().copied().filter(is_curve).collect();
     // Black is no gray where no grays were read.
-    for row in found.iter_mut().filter(|row| row.reading.level == 0.0) {
-        row.reading.channel = channels.first().copied().unwrap_or(Channel::Gray);
+    for black in found.iter_mut().filter(|one| one.level == 0.0) {
+        black.channel = channels.first().copied().unwrap_or(Channel::Gray);
     }
-    found.retain(|row| channels.contains(&row.reading.channel));
+    found.retain(|one| channels.contains(&one.channel));
     Ok(found)
 }
 
 /// Reads the newest calibration in a monitor file of PsychoPy: `levelsPre`, 0 to 255, and `lumsPre`, one row for gray and
 /// then one each for red, green and blue.
-fn psychopy(text: &str) -> Result<Vec<Row>, String> {
+fn psychopy(text: &str) -> Result<Vec<Reading>, String> {
     let file: Value = serde_json::from_str(text).map_err(|error| format!("is not valid JSON: {error}"))?;
     let has_readings = |one: &&Value| one.get("levelsPre").is_some_and(|levels| !levels.is_null());
     let all = file.as_object().into_iter().flat_map(|all| all.values());
@@ -270,14 +230,16 @@ fn psychopy(text: &str) -> Result<Vec<Row>, String> {
         let lums = numbers(row).filter(|lums| lums.len() == levels.len());
         let lums =
             lums.ok_or_else(|| format!("lumsPre has a row without {} numbers, one for each level", levels.len()))?;
-        found.extend(levels.iter().zip(lums).map(|(level, light)| Row::of(channel, level / 255.0, light)));
+        let reading =
+            |(level, luminance_cd_m2): (&f64, f64)| Reading { channel, level: level / 255.0, luminance_cd_m2 };
+        found.extend(levels.iter().zip(lums).map(reading));
     }
     Ok(found)
 }
 
 /// Reads the newest calibration in a file of Psychtoolbox: `cals`, or `cal` alone. The light of each primary is its spectrum
 /// `P_device`, in W/(sr·m²) per band, times its raw gamma table; what remains at black is `P_ambient`.
-fn psychtoolbox(bytes: &[u8]) -> Result<Vec<Row>, String> {
+fn psychtoolbox(bytes: &[u8]) -> Result<Vec<Reading>, String> {
     let file = mat::variables(bytes)?;
     let cal = match file.field("cals").or_else(|| file.field("cal")) {
         Some(MatValue::List(all)) => all.last(),
@@ -320,7 +282,7 @@ fn psychtoolbox(bytes: &[u8]) -> Result<Vec<Row>, String> {
         let of = |(level, share): (&f64, &f64)| (level / full, black + white * share);
         let read = levels.iter().zip(&table[index * rows..][..rows]).map(of).filter(|(level, _)| *level > 0.0);
         let all = [(0.0, black)].into_iter().chain(read);
-        found.extend(all.map(|(level, light)| Row::of(*channel, level, light)));
+        found.extend(all.map(|(level, luminance_cd_m2)| Reading { channel: *channel, level, luminance_cd_m2 }));
     }
     Ok(found)
 }

@@ -8,8 +8,7 @@ use machband::{
         Channel,
         matching::{ChannelGamma, Match, MatchSettings, Matching, Rows, estimate},
         photometer::{
-            Calibration, Family, Patch, Reading, Readings, ReadingsError, additivity, drift_percent, largest_percent,
-            patches,
+            Calibration, Family, Patch, Reading, Readings, additivity, drift_percent, largest_percent, patches,
         },
     },
     light::{Transfer, Transfers},
@@ -189,10 +188,6 @@ fn additivity_is_measured() {
     assert!(notes.iter().any(|note| note.contains("channels not additive")), "{notes:?}");
 }
 
-fn errors(readings: Vec<Reading>) -> Vec<ReadingsError> {
-    Readings::new(readings).unwrap_err()
-}
-
 #[test]
 fn every_kind_of_bad_readings_has_its_own_message() {
     let display = Display::alike(Transfer::gamma(2.2).unwrap(), 0.3);
@@ -232,7 +227,7 @@ fn every_kind_of_bad_readings_has_its_own_message() {
         (exchanged(Channel::Gray, Channel::Green), "swapped", ""),
     ];
     for (readings, kind, detail) in cases {
-        let messages: Vec<String> = errors(readings).into_iter().map(|(_, message)| message).collect();
+        let messages = Readings::new(readings).unwrap_err();
         assert!(messages.iter().all(|message| message.contains(kind)), "{kind}: {messages:?}");
         assert!(messages.iter().any(|message| message.contains(detail)), "{kind}, {detail}: {messages:?}");
     }

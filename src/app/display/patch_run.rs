@@ -101,10 +101,13 @@ impl PatchRun {
     }
 
     fn write(&self, replaces: bool) -> Result<(), StoreError> {
-        let read = self.patches.iter().zip(&self.readings).filter_map(|(patch, reading)| {
-            reading.map(|luminance_cd_m2| Reading { channel: patch.channel, level: patch.level, luminance_cd_m2 })
-        });
+        let read = self.readings.iter().enumerate().filter_map(|(at, value)| Some(self.reading(at, (*value)?)));
         readings::write(&Writer::new([], replaces), &self.path, &read.collect::<Vec<_>>())
+    }
+
+    fn reading(&self, at: usize, luminance_cd_m2: f64) -> Reading {
+        let Patch { channel, level, .. } = self.patches[at];
+        Reading { channel, level, luminance_cd_m2 }
     }
 
     fn line(&mut self, ui: &mut egui::Ui, at: usize, remaining_s: f64) -> Step<Option<Findings>> {
@@ -153,7 +156,8 @@ impl PatchRun {
     /// Accepts the typed text as the reading of a patch, in memory and on disk, or says why not.
     fn accept(&mut self, at: usize, remaining_s: f64) -> Result<(), String> {
         let wrong = || format!("{:?} is not a luminance; expected cd/m², 0 or more, such as 12.3", self.entry.trim());
-        let value = number(&self.entry).filter(|value| *value >= 0.0).ok_or_else(wrong)?;
+        let value = number(&self.entry).ok_or_else(wrong)?;
+        self.reading(at, value).check().map_err(|(_, message)| message)?;
         if remaining_s > 0.0 {
             return Err("The patch has not settled yet. Read it again, then press Enter.".to_owned());
         }

@@ -1,6 +1,8 @@
 //! The fields for the screen, which stand on the page *Display* and in the dialog of a session: the viewing distance, the
 //! width, which a bank card can measure, and the display profile.
 
+use std::path::Path;
+
 use eframe::egui::{self, ScrollArea, Sense, Stroke, TextEdit, Vec2};
 
 use super::calibrate::LABELS;
@@ -16,11 +18,12 @@ use crate::{
         },
     },
     display::{
-        DisplayProfile, Viewing,
+        DisplayProfile, Screen, Viewing,
         geometry::{CARD_WIDTH_CM, width_cm_from_card},
     },
     experiment::Protocol,
     report::names::capitalized,
+    store::profile,
 };
 
 /// What the fields for the screen say about it.
@@ -41,8 +44,19 @@ pub struct CheckedScreen {
 impl CheckedScreen {
     /// Checks the fields for a monitor, on which the stimulus of the definition must have room.
     pub fn new(fields: &ScreenFields, monitor: &Monitor, protocol: Option<&Protocol>) -> Self {
-        let (profile, distance) = (fields.profile(), fields.distance());
-        let viewing = match fields.screen(monitor) {
+        let profile = match fields.profile.trim() {
+            "" => Ok(DisplayProfile::default()),
+            path => profile::open(Path::new(path)).map_err(|error| error.to_string()),
+        };
+        let centimeters = |typed: &str, example: &str| {
+            number(typed).ok_or_else(|| format!("Enter a number of centimeters, e.g. {example}."))
+        };
+        let distance = centimeters(&fields.distance_cm, "57");
+        let width = match fields.width_is_assumed() {
+            true => Ok(monitor.assumed_width_cm()),
+            false => centimeters(&fields.screen_width_cm, "53.1"),
+        };
+        let viewing = match width.and_then(|cm| Screen::new(monitor.width_px, monitor.height_px, cm)) {
             Ok(screen) => distance.and_then(|cm| Viewing::new(screen, cm)).map_err(|error| [error, String::new()]),
             Err(error) => Err([distance.err().unwrap_or_default(), error]),
         };

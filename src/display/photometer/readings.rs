@@ -19,6 +19,32 @@ pub struct Reading {
     pub luminance_cd_m2: f64,
 }
 
+/// The level or the luminance of a reading.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    Level,
+    Luminance,
+}
+
+impl Reading {
+    /// Checks that a screen can give this reading.
+    ///
+    /// # Errors
+    /// Returns what is wrong, and what about it.
+    pub fn check(&self) -> Result<(), (Part, String)> {
+        let (level, light, [_, brightest]) = (self.level, self.luminance_cd_m2, LuminanceRange::WHITE_CD_M2);
+        if !(0.0..=1.0).contains(&level) {
+            let expected = "expected the code divided by the largest code";
+            return Err((Part::Level, format!("level {level} is outside 0…1; {expected}")));
+        }
+        if !(0.0..=brightest).contains(&light) {
+            let expected = format!("expected cd/m², 0 to {brightest}");
+            return Err((Part::Luminance, format!("luminance {light} is not that of a screen; {expected}")));
+        }
+        Ok(())
+    }
+}
+
 /// The readings of one channel at one level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LevelMean {
@@ -151,36 +177,17 @@ const STOPPED: (f64, f64) = (0.35, 0.05);
 /// The ratio by which the channel that should be dimmer must be brighter to indicate swapped channels.
 const SWAPPED: f64 = 1.05;
 
-/// The readings to which an error refers.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ErrorLocation {
-    /// The level of one reading, by its index.
-    Level(usize),
-    /// The luminance of one reading, by its index.
-    Luminance(usize),
-    /// All readings.
-    All,
-}
-
-/// Why a profile cannot be made from the readings: where the error is, and what it is and what is expected instead.
-pub type ReadingsError = (ErrorLocation, String);
-
 impl Readings {
     /// Checks readings, given in the order in which they were taken.
     ///
     /// # Errors
-    /// Returns all errors in single readings. If there are none, returns all errors from the first check of the whole
-    /// set that fails.
-    pub fn new(readings: Vec<Reading>) -> Result<Self, Vec<ReadingsError>> {
-        let mut errors = reading_errors(&readings);
+    /// Returns all errors from the first check that fails: why a profile cannot be made, and what is expected.
+    pub fn new(readings: Vec<Reading>) -> Result<Self, Vec<String>> {
         let readings = Self::unchecked(readings);
         // Each check relies on the previous one.
-        for check in [set_errors, curve_errors, order_errors] {
-            if errors.is_empty() {
-                errors = check(&readings);
-            }
-        }
-        if errors.is_empty() { Ok(readings) } else { Err(errors) }
+        let checks = [reading_errors, set_errors, curve_errors, order_errors];
+        let errors = checks.iter().map(|check| check(&readings)).find(|errors| !errors.is_empty());
+        errors.map_or(Ok(readings), Err)
     }
 
     /// Says for each channel how far the light rises at the top, where it rises too little for a screen.
@@ -198,35 +205,25 @@ impl Readings {
     }
 }
 
-/// Returns the errors in single readings.
-fn reading_errors(readings: &[Reading]) -> Vec<ReadingsError> {
-    let [darkest, brightest] = LuminanceRange::WHITE_CD_M2;
-    let mut errors = Vec::new();
-    for (index, Reading { level, luminance_cd_m2: light, .. }) in readings.iter().enumerate() {
-        if !(0.0..=1.0).contains(level) {
-            let message = format!("level {level} is outside 0…1; expected the code divided by the largest code");
-            errors.push((ErrorLocation::Level(index), message));
-        }
-        if !(0.0..=brightest).contains(light) {
-            let message = format!("luminance {light} is not that of a screen; expected cd/m², 0 to {brightest}");
-            errors.push((ErrorLocation::Luminance(index), message));
-        }
-    }
-    if readings.is_empty() {
-        let message =
-            format!("there are no readings; expected red, green and blue, or gray, at {MIN_LEVELS} levels or more");
-        errors.push((ErrorLocation::All, message));
-    } else if readings.iter().all(|one| one.luminance_cd_m2 < darkest) {
-        let message = format!(
+/// Returns the errors in single readings, or an error if there is no light.
+fn reading_errors(readings: &Readings) -> Vec<String> {
+    let [darkest, _] = LuminanceRange::WHITE_CD_M2;
+    let wrong = readings.all().iter().filter_map(|one| one.check().err());
+    let mut errors: Vec<String> = wrong.map(|(_, message)| message).collect();
+    if readings.all().is_empty() {
+        errors.push(format!(
+            "there are no readings; expected red, green and blue, or gray, at {MIN_LEVELS} levels or more"
+        ));
+    } else if readings.all().iter().all(|one| one.luminance_cd_m2 < darkest) {
+        errors.push(format!(
             "every reading is below {darkest} cd/m²; expected light: is the photometer on the screen, and is its cap off?"
-        );
-        errors.push((ErrorLocation::All, message));
+        ));
     }
     errors
 }
 
 /// Returns an error for each missing channel or level.
-fn set_errors(readings: &Readings) -> Vec<ReadingsError> {
+fn set_errors(readings: &Readings) -> Vec<String> {
     let expected = "expected red, green and blue, or gray, each from level 0 to 1";
     let read = readings.channels();
     let mut messages = Vec::new();
@@ -252,11 +249,11 @@ fn set_errors(readings: &Readings) -> Vec<ReadingsError> {
             ));
         }
     }
-    messages.into_iter().map(|message| (ErrorLocation::All, message)).collect()
+    messages
 }
 
 /// Returns an error for each channel whose light falls, or does not rise at all.
-fn curve_errors(readings: &Readings) -> Vec<ReadingsError> {
+fn curve_errors(readings: &Readings) -> Vec<String> {
     let black_cd_m2 = readings.black_cd_m2();
     let (share, steps, of_largest) = NOISE_FALL;
     let still = steps * readings.resolution_cd_m2() + of_largest * readings.largest_cd_m2();
@@ -265,27 +262,25 @@ fn curve_errors(readings: &Readings) -> Vec<ReadingsError> {
         let means = readings.means(*channel);
         let white_cd_m2 = means.last().map_or(0.0, |white| white.luminance_cd_m2);
         if white_cd_m2 <= black_cd_m2 * (1.0 + share) + still {
-            let message = format!(
+            errors.push(format!(
                 "{channel}: level 1 gives {white_cd_m2} cd/m², no more than black ({black_cd_m2} cd/m²); expected light"
-            );
-            errors.push((ErrorLocation::All, message));
+            ));
             continue;
         }
         let falls = |pair: &&[LevelMean]| pair[1].luminance_cd_m2 < pair[0].luminance_cd_m2 * (1.0 - share) - still;
         for pair in means.windows(2).filter(falls) {
             let [(lower, lower_cd_m2), (upper, upper_cd_m2)] =
                 [pair[0], pair[1]].map(|at| (at.level, at.luminance_cd_m2));
-            let message = format!(
+            errors.push(format!(
                 "{channel}: not monotone: level {upper} gives {upper_cd_m2} cd/m², less than the {lower_cd_m2} cd/m² of level {lower}; expected more light at every higher level: measure both again"
-            );
-            errors.push((ErrorLocation::All, message));
+            ));
         }
     }
     errors
 }
 
 /// Returns an error if the channels' luminances at level 1 are not in the order gray > green > red > blue.
-fn order_errors(readings: &Readings) -> Vec<ReadingsError> {
+fn order_errors(readings: &Readings) -> Vec<String> {
     let falling = [Channel::Gray, Channel::Green, Channel::Red, Channel::Blue];
     let whites: Vec<(Channel, f64)> = (falling.into_iter())
         .filter_map(|channel| Some((channel, readings.means(channel).last()?.luminance_cd_m2)))
@@ -294,11 +289,10 @@ fn order_errors(readings: &Readings) -> Vec<ReadingsError> {
         return Vec::new();
     }
     let each: Vec<String> = whites.iter().map(|(channel, light)| format!("{channel} {light}")).collect();
-    let message = format!(
+    vec![format!(
         "swapped channels: level 1 gives {} cd/m²; expected more light from gray than from green, from green than from red, and from red than from blue, as on every screen",
         each.join(", ")
-    );
-    vec![(ErrorLocation::All, message)]
+    )]
 }
 
 /// Returns the difference of gray from red + green + blue − 2·black, in percent of gray, at every level above 0 at which all
