@@ -254,8 +254,8 @@ fn the_plan_shows_every_patch_with_white_in_between() {
         let last = (plan.len() - 1) as f64;
         let one = |(at, patch): (usize, &Patch)| {
             let index = Channel::ALL.iter().position(|channel| *channel == patch.channel).unwrap();
-            let luminance_cd_m2 = display.cd_m2(index, patch.level) * (1.0 + drift * (at as f64 / last - 0.5));
-            Reading { channel: patch.channel, level: patch.level, luminance_cd_m2 }
+            let level = patch.reading(0.0).level;
+            patch.reading(display.cd_m2(index, level) * (1.0 + drift * (at as f64 / last - 0.5)))
         };
         Readings::new(plan.iter().enumerate().map(one).collect()).unwrap()
     };

@@ -13,7 +13,7 @@ use crate::{
         display::calibrate::{Findings, Run},
         ui::{Monitor, Step, describe, number, paragraph, theme::ink},
     },
-    display::photometer::{Patch, Reading, is_same_level},
+    display::photometer::{Patch, is_same_level},
     store::{StoreError, Writer, readings},
     system::found,
 };
@@ -64,7 +64,8 @@ impl PatchRun {
         let is_known = found(path).map_err(|error| format!("{}: {error}", path.display()))?.is_some();
         if is_known {
             for one in readings::open_incomplete(path).map_err(|errors| errors.to_string())? {
-                let same = |patch: &Patch| patch.channel == one.channel && is_same_level(patch.level, one.level);
+                let same =
+                    |patch: &Patch| patch.channel == one.channel && is_same_level(patch.reading(0.0).level, one.level);
                 let free = (0..readings.len()).find(|at| readings[*at].is_none() && same(&patches[*at]));
                 let Some(free) = free else {
                     return Err(format!(
@@ -101,13 +102,9 @@ impl PatchRun {
     }
 
     fn write(&self, replaces: bool) -> Result<(), StoreError> {
-        let read = self.readings.iter().enumerate().filter_map(|(at, value)| Some(self.reading(at, (*value)?)));
+        let patches = self.patches.iter().zip(&self.readings);
+        let read = patches.filter_map(|(patch, value)| Some(patch.reading((*value)?)));
         readings::write(&Writer::new([], replaces), &self.path, &read.collect::<Vec<_>>())
-    }
-
-    fn reading(&self, at: usize, luminance_cd_m2: f64) -> Reading {
-        let Patch { channel, level, .. } = self.patches[at];
-        Reading { channel, level, luminance_cd_m2 }
     }
 
     fn line(&mut self, ui: &mut egui::Ui, at: usize, remaining_s: f64) -> Step<Option<Findings>> {
@@ -157,7 +154,7 @@ impl PatchRun {
     fn accept(&mut self, at: usize, remaining_s: f64) -> Result<(), String> {
         let wrong = || format!("{:?} is not a luminance; expected cd/m², 0 or more, such as 12.3", self.entry.trim());
         let value = number(&self.entry).ok_or_else(wrong)?;
-        self.reading(at, value).check().map_err(|(_, message)| message)?;
+        self.patches[at].reading(value).check().map_err(|(_, message)| message)?;
         if remaining_s > 0.0 {
             return Err("The patch has not settled yet. Read it again, then press Enter.".to_owned());
         }

@@ -47,7 +47,7 @@ impl Method for SizeTest {
     }
 
     fn begin(&self, _: &[Channel], file: &Path) -> Result<Box<dyn Run>, String> {
-        let white = Patch { channel: Channel::Gray, code: u8::MAX, level: 1.0 };
+        let white = Patch { channel: Channel::Gray, code: u8::MAX };
         PatchRun::begin(vec![white; PERCENTS.len()], file, self.settle_s, PERCENTS.to_vec(), Color32::BLACK)
     }
 

@@ -45,15 +45,6 @@ impl Reading {
     }
 }
 
-/// The readings of one channel at one level.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LevelMean {
-    /// Encoded value, 0…1.
-    pub level: f64,
-    /// Mean of the readings, cd/m².
-    pub luminance_cd_m2: f64,
-}
-
 /// Levels closer than this are the same patch, entered twice.
 const SAME_LEVEL: f64 = 1e-6;
 
@@ -87,7 +78,7 @@ impl Readings {
     }
 
     /// The mean at each level of a channel, from dark to light.
-    pub fn means(&self, channel: Channel) -> Vec<LevelMean> {
+    pub fn means(&self, channel: Channel) -> Vec<Reading> {
         means(self.all.iter().filter(|one| one.channel == channel))
     }
 
@@ -111,13 +102,13 @@ impl Readings {
 }
 
 /// Returns the mean at each level, from dark to light; the readings may be in any order.
-fn means<'a>(readings: impl Iterator<Item = &'a Reading>) -> Vec<LevelMean> {
+fn means<'a>(readings: impl Iterator<Item = &'a Reading>) -> Vec<Reading> {
     let mut sorted: Vec<&Reading> = readings.collect();
     sorted.sort_by(|a, b| a.level.total_cmp(&b.level));
     let same = sorted.chunk_by(|a, b| is_same_level(a.level, b.level));
     same.map(|level| {
         let sum: f64 = level.iter().map(|one| one.luminance_cd_m2).sum();
-        LevelMean { level: level[0].level, luminance_cd_m2: sum / level.len() as f64 }
+        Reading { luminance_cd_m2: sum / level.len() as f64, ..*level[0] }
     })
     .collect()
 }
@@ -125,13 +116,19 @@ fn means<'a>(readings: impl Iterator<Item = &'a Reading>) -> Vec<LevelMean> {
 /// The number of patches between two readings of white, which reveal drift.
 const BETWEEN_WHITES: usize = 16;
 
+/// A patch that the screen shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Patch {
     /// The lit channel, or all three for gray.
     pub channel: Channel,
     pub code: u8,
-    /// The encoded value, 0…1: the code divided by the largest code.
-    pub level: f64,
+}
+
+impl Patch {
+    /// Returns the reading of this patch.
+    pub fn reading(self, luminance_cd_m2: f64) -> Reading {
+        Reading { channel: self.channel, level: f64::from(self.code) / 255.0, luminance_cd_m2 }
+    }
 }
 
 /// Returns the patches in the order of measurement, which is always the same: every channel at `levels` levels, 2 to 256,
@@ -145,10 +142,8 @@ pub struct Patch {
 /// Returns an error if a profile cannot be made with these settings.
 pub fn patches(channels: &[Channel], levels: usize, repeats: usize) -> Result<Vec<Patch>, String> {
     Channel::check_for_profile(channels)?;
-    let patch = |channel: Channel, step: usize| {
-        let code = (255.0 * step as f64 / (levels - 1) as f64).round();
-        Patch { channel, code: code as u8, level: code / 255.0 }
-    };
+    let code = |step: usize| (255.0 * step as f64 / (levels - 1) as f64).round() as u8;
+    let patch = |channel: Channel, step: usize| Patch { channel, code: code(step) };
     let white_channel = if channels.contains(&Channel::Gray) { Channel::Gray } else { Channel::Green };
     let white = patch(white_channel, levels - 1);
     let mut rng = ChaCha8Rng::seed_from_u64(1);
@@ -242,7 +237,7 @@ fn set_errors(readings: &Readings) -> Vec<String> {
                 means.len()
             ));
         }
-        if let Some(LevelMean { level, .. }) = means.last().filter(|last| last.level != 1.0) {
+        if let Some(Reading { level, .. }) = means.last().filter(|last| last.level != 1.0) {
             messages.push(format!(
                 "{channel}: no reading at level 1 (the highest is {level}); expected the maximum luminance of the \
                     channel"
@@ -267,7 +262,7 @@ fn curve_errors(readings: &Readings) -> Vec<String> {
             ));
             continue;
         }
-        let falls = |pair: &&[LevelMean]| pair[1].luminance_cd_m2 < pair[0].luminance_cd_m2 * (1.0 - share) - still;
+        let falls = |pair: &&[Reading]| pair[1].luminance_cd_m2 < pair[0].luminance_cd_m2 * (1.0 - share) - still;
         for pair in means.windows(2).filter(falls) {
             let [(lower, lower_cd_m2), (upper, upper_cd_m2)] =
                 [pair[0], pair[1]].map(|at| (at.level, at.luminance_cd_m2));
@@ -301,8 +296,8 @@ pub fn additivity(readings: &Readings) -> Vec<f64> {
     let [red, green, blue, gray] =
         [Channel::Red, Channel::Green, Channel::Blue, Channel::Gray].map(|channel| readings.means(channel));
     let black = readings.black_cd_m2();
-    let percent = |gray: &LevelMean| {
-        let at = |means: &[LevelMean]| {
+    let percent = |gray: &Reading| {
+        let at = |means: &[Reading]| {
             means.iter().find(|mean| is_same_level(mean.level, gray.level)).map(|mean| mean.luminance_cd_m2)
         };
         let sum_cd_m2 = at(&red)? + at(&green)? + at(&blue)? - 2.0 * black;

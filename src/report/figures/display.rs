@@ -56,7 +56,7 @@ pub fn calibration_tables(calibration: &Calibration) -> [TextTable; 2] {
         .text("model", |(family, _)| family.name())
         .text("channel", |(_, own)| own.channel.name())
         .number("gamma", |(_, own)| {
-            let (gamma, se) = (fixed(own.curve.gamma(), 4), own.gamma_se);
+            let (gamma, se) = (fixed(own.curve.gamma(), 4), own.curve.gamma_se);
             let se = se.map_or_else(String::new, |se| format!(" ± {se:.4}"));
             Shown::new(gamma.value().clone(), format!("{gamma}{se}"))
         })
