@@ -14,7 +14,7 @@ use super::{
 use crate::{
     display::{
         Channel,
-        photometer::{MIN_LEVELS, Part, Reading, Readings},
+        photometer::{MIN_LEVELS, Reading, Readings},
     },
     light::color::luminance_of_spectrum,
 };
@@ -110,8 +110,8 @@ fn incomplete(file: &str, text: &str) -> Result<Vec<Reading>, FileErrors> {
         let message = || (columns[0], format!("channel {name:?} is not known; expected r, g, b or gray"));
         let reading =
             Reading { channel: *channel.ok_or_else(message)?, level: number(1)?, luminance_cd_m2: number(2)? };
-        let place = |part| columns[if part == Part::Level { 1 } else { 2 }];
-        reading.check().map_err(|(part, message)| (place(part), message))?;
+        let place = |field| COLUMNS.iter().position(|column| *column == field).map_or(0, |index| columns[index]);
+        reading.check().map_err(|(field, message)| (place(field), message))?;
         Ok(reading)
     })?;
     FileErrors::none(errors)?;

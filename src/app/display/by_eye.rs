@@ -5,7 +5,7 @@ use std::path::Path;
 use eframe::egui;
 
 use super::{
-    calibrate::{Findings, LABELS, Method, Run, SLIDER, Texts},
+    calibrate::{About, Findings, LABELS, Method, Run, SLIDER},
     match_run::MatchRun,
 };
 use crate::{
@@ -35,8 +35,8 @@ impl ByEye {
 }
 
 impl Method for ByEye {
-    fn texts(&self) -> Texts {
-        Texts {
+    fn about(&self) -> About {
+        About {
             title: "Gamma by eye",
             purpose: "No photometer needed: match a square to a field of rows in each channel. This takes about five minutes.",
             introduction: "This needs no photometer. If one of every four rows in a field is lit, the field emits a quarter \

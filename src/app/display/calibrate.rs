@@ -21,8 +21,8 @@ use crate::{
 pub const LABELS: f32 = 210.0;
 pub const SLIDER: f32 = 240.0;
 
-/// The texts of a tool.
-pub struct Texts {
+/// What a tool is about.
+pub struct About {
     pub title: &'static str,
     /// What it finds out, for the list of tools.
     pub purpose: &'static str,
@@ -36,7 +36,7 @@ pub struct Texts {
 
 /// A way to measure the screen.
 pub trait Method {
-    fn texts(&self) -> Texts;
+    fn about(&self) -> About;
 
     /// Draws the settings of this method. `viewing` is the geometry of the screen, if it is known.
     fn fields(&mut self, ui: &mut Ui, viewing: Option<&Viewing>);
@@ -86,7 +86,7 @@ pub struct Findings {
 /// The page of a tool: settings, then a run, then the findings.
 pub struct Tool {
     method: Box<dyn Method>,
-    pub texts: Texts,
+    pub about: About,
     /// What is known about the screen apart from these measurements.
     pub known: DisplayProfile,
     /// Path of the measurements.
@@ -104,9 +104,9 @@ pub struct Tool {
 impl Tool {
     /// Creates the settings page. `channels` are the chosen ones, red, green and blue, and gray, if they can be chosen.
     pub fn new(method: impl Method + 'static, channels: Option<[bool; 2]>) -> Self {
-        let (texts, known, error) = (method.texts(), DisplayProfile::default(), String::new());
-        let path = format!("calibration/{}.csv", texts.items);
-        Self { method: Box::new(method), texts, known, path, error, channels, run: None, found: None }
+        let (about, known, error) = (method.about(), DisplayProfile::default(), String::new());
+        let path = format!("calibration/{}.csv", about.items);
+        Self { method: Box::new(method), about, known, path, error, channels, run: None, found: None }
     }
 
     /// Draws the page. `viewing` is `None` if the viewing distance or the screen's width is unknown. `Next` leaves the page
@@ -159,7 +159,7 @@ impl Tool {
     /// Draws the settings.
     fn set_up(&mut self, ui: &mut Ui, viewing: Option<&Viewing>) -> Step<PathBuf> {
         let (mut begin, mut use_file) = (false, false);
-        let Texts { title, introduction, items, format, .. } = self.texts;
+        let About { title, introduction, items, format, .. } = self.about;
         let back = tool_page(ui, title, |ui| {
             paragraph(ui, introduction);
             ui.add_space(8.0);
@@ -232,7 +232,7 @@ impl Tool {
         let Some((found, form)) = &mut self.found else { return Step::Stay };
         let mut saved = None;
         let back = tool_page(ui, "Result", |ui| {
-            if self.texts.format.is_some() {
+            if self.about.format.is_some() {
                 paragraph(ui, secondary(self.path.trim()));
             }
             for (text, warns) in &found.told {

@@ -5,7 +5,7 @@ use std::path::Path;
 use eframe::egui::{self, Color32};
 
 use super::{
-    calibrate::{Findings, LABELS, Method, Run, SLIDER, Texts},
+    calibrate::{About, Findings, LABELS, Method, Run, SLIDER},
     patch_run::PatchRun,
 };
 use crate::{
@@ -50,8 +50,8 @@ impl Photometer {
 }
 
 impl Method for Photometer {
-    fn texts(&self) -> Texts {
-        Texts {
+    fn about(&self) -> About {
+        About {
             title: "Photometer",
             purpose: "Measure the luminance of every level: point a photometer at patches, or load readings from a file.",
             introduction: "Patches are shown one at a time; type each photometer reading. First let the screen warm up for \

@@ -5,7 +5,7 @@ use std::path::Path;
 use eframe::egui::{self, Color32};
 
 use super::{
-    calibrate::{Findings, LABELS, Method, Run, SLIDER, Texts},
+    calibrate::{About, Findings, LABELS, Method, Run, SLIDER},
     patch_run::PatchRun,
     photometer::{READING_S, SETTLING_S},
 };
@@ -26,8 +26,8 @@ pub struct SizeTest {
 }
 
 impl Method for SizeTest {
-    fn texts(&self) -> Texts {
-        Texts {
+    fn about(&self) -> About {
+        About {
             title: "Patch size",
             purpose: "Find out with a photometer whether the screen dims large bright areas, as OLED screens do.",
             introduction: "White patches of five sizes on black are shown one at a time; type each photometer reading. Some \

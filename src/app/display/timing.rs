@@ -7,7 +7,7 @@ use eframe::{
     emath::GuiRounding as _,
 };
 
-use super::calibrate::{Findings, LABELS, Method, Run, Texts};
+use super::calibrate::{About, Findings, LABELS, Method, Run};
 use crate::{
     app::ui::{Field, Monitor, Step, figure::FigureView, page, paragraph, theme::ink},
     display::{
@@ -96,8 +96,8 @@ pub struct Timing {
 }
 
 impl Method for Timing {
-    fn texts(&self) -> Texts {
-        Texts {
+    fn about(&self) -> About {
+        About {
             title: "Timing",
             purpose: "Find out whether every refresh shows a new frame: intervals and dropped frames.",
             introduction: "Every refresh of the screen should show a new frame. This tool measures whether it does.",

@@ -84,13 +84,13 @@ impl Display {
             ui.add_space(8.0);
             self.screen.show(ui, LABELS, fields, monitor, checked);
             ui.add_space(8.0);
-            for (place, Tool { texts, .. }) in self.tools.iter().enumerate() {
+            for (place, Tool { about, .. }) in self.tools.iter().enumerate() {
                 ui.add_space(4.0);
-                let button = egui::Button::new(RichText::new(texts.title).strong()).min_size([260.0, 34.0].into());
+                let button = egui::Button::new(RichText::new(about.title).strong()).min_size([260.0, 34.0].into());
                 if ui.add(button).clicked() {
                     chosen = Some(place);
                 }
-                hint(ui, texts.purpose);
+                hint(ui, about.purpose);
             }
         });
         self.screen.measure(ui.ctx(), fields, monitor);

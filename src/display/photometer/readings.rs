@@ -19,27 +19,20 @@ pub struct Reading {
     pub luminance_cd_m2: f64,
 }
 
-/// The level or the luminance of a reading.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
-    Level,
-    Luminance,
-}
-
 impl Reading {
     /// Checks that a screen can give this reading.
     ///
     /// # Errors
-    /// Returns what is wrong, and what about it.
-    pub fn check(&self) -> Result<(), (Part, String)> {
+    /// Returns the field that is wrong, and what is wrong with it.
+    pub fn check(&self) -> Result<(), (&'static str, String)> {
         let (level, light, [_, brightest]) = (self.level, self.luminance_cd_m2, LuminanceRange::WHITE_CD_M2);
         if !(0.0..=1.0).contains(&level) {
             let expected = "expected the code divided by the largest code";
-            return Err((Part::Level, format!("level {level} is outside 0…1; {expected}")));
+            return Err(("level", format!("level {level} is outside 0…1; {expected}")));
         }
         if !(0.0..=brightest).contains(&light) {
             let expected = format!("expected cd/m², 0 to {brightest}");
-            return Err((Part::Luminance, format!("luminance {light} is not that of a screen; {expected}")));
+            return Err(("luminance_cd_m2", format!("luminance {light} is not that of a screen; {expected}")));
         }
         Ok(())
     }
