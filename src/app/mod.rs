@@ -277,11 +277,11 @@ impl eframe::App for App {
     /// without a GPU, drawing a full-screen rectangle would take most of a frame's time.
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
         let ground = match &self.session {
-            Some(session) => Some(session.ground()),
-            None if self.place == Place::Display && self.display.measures() => Some(egui::Color32::BLACK),
-            None => None,
+            Some(session) => session.ground(),
+            None if self.place == Place::Display && self.display.measures() => egui::Color32::BLACK,
+            None => ui::theme::ink_of(visuals).page,
         };
-        ground.unwrap_or(ui::theme::ink_of(visuals).page).to_normalized_gamma_f32()
+        ground.to_normalized_gamma_f32()
     }
 }
 

@@ -83,9 +83,7 @@ fn counted(rows: Vec<Row>) -> Vec<Match> {
 
 fn rows(file: &str, text: &[u8]) -> Result<Vec<Row>, FileErrors> {
     let header = |names: &[&str]| exactly(names, COLUMNS.split(','));
-    let ((), rows, errors) = table::parse(file, text, b',', header, |(), cells, _| row(cells))?;
-    FileErrors::none(errors)?;
-    Ok(rows)
+    Ok(table::parse(file, text, b',', header, |(), cells| row(cells))?.1)
 }
 
 /// Parses a row.
