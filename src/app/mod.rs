@@ -35,7 +35,7 @@ use window::Program;
 
 use crate::{display::DisplayProfile, store::settings::remember};
 
-pub use display::TimingReport;
+pub use display::judged_frames;
 pub use session::Request;
 pub use ui::{Monitor, pixels::icon, platform::is_resampled};
 pub use window::{Input, Pressed, Stamps, WindowError};
@@ -133,10 +133,9 @@ impl App {
             Place::Studies if self.editor.is_some() => return self.draw_editor(ui),
             Place::Studies => self.studies.show(ui, monitor, &mut self.memory.settings),
             Place::Stimuli | Place::Shading => {
-                let screen = self.studies.screen();
-                let viewing = screen.viewing(monitor).ok().filter(|_| !screen.width_is_assumed());
                 let (checked, assumed) = (self.studies.check(monitor), DisplayProfile::default());
-                let profile = checked.display.as_ref().unwrap_or(&assumed);
+                let viewing = checked.screen.viewing.filter(|_| !self.studies.screen().width_is_assumed());
+                let profile = checked.screen.profile.as_ref().unwrap_or(&assumed);
                 Step::back_if(if self.place == Place::Shading {
                     self.shading.show(ui, profile)
                 } else {
@@ -146,8 +145,7 @@ impl App {
             Place::Display => {
                 let checked = self.studies.check(monitor);
                 self.studies.remember(&mut self.memory.settings, monitor, &checked);
-                let window_deg = checked.protocol.as_ref().map_or(10.0, |protocol| protocol.viewing.window_deg);
-                let step = self.display.show(ui, monitor, self.studies.screen(), checked.profile(), window_deg);
+                let step = self.display.show(ui, monitor, self.studies.screen(), &checked.screen);
                 if step == Step::Next(()) {
                     // The file may have the same name as before.
                     self.studies.refresh(false, &self.memory.settings);
@@ -190,7 +188,7 @@ impl App {
             // The pages themselves say which display they are about.
             Place::Display => None,
             Place::Stimuli | Place::Shading => {
-                let display = self.studies.checked().and_then(|checked| checked.display.as_ref());
+                let display = self.studies.checked().and_then(|checked| checked.screen.profile.as_ref().ok());
                 display.map(DisplayProfile::sentence)
             }
         };
@@ -225,7 +223,7 @@ impl App {
     /// Returns the page that measures the screen, while it does so. As in a trial, the window shows nothing else.
     fn measured(&mut self) -> Option<&mut display::Display> {
         let shown = self.session.is_none() && self.place == Place::Display;
-        Some(&mut self.display).filter(|display| shown && display.ground().is_some())
+        Some(&mut self.display).filter(|display| shown && display.measures())
     }
 
     fn draw_dialogs(&mut self, ctx: &egui::Context) {
@@ -279,11 +277,11 @@ impl eframe::App for App {
     /// without a GPU, drawing a full-screen rectangle would take most of a frame's time.
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
         let ground = match &self.session {
-            Some(session) => Some(session.ground()),
-            None if self.place == Place::Display => self.display.ground(),
-            None => None,
+            Some(session) => session.ground(),
+            None if self.place == Place::Display && self.display.measures() => egui::Color32::BLACK,
+            None => ui::theme::ink_of(visuals).page,
         };
-        ground.unwrap_or(ui::theme::ink_of(visuals).page).to_normalized_gamma_f32()
+        ground.to_normalized_gamma_f32()
     }
 }
 

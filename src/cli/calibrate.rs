@@ -2,14 +2,10 @@
 
 use super::{OutPath, columns, message, print_line};
 use crate::{
-    display::photometer::largest_percent,
-    report::{document::TextTable, figures::calibration_tables},
+    report::figures::calibration_tables,
     store::{Writer, profile},
     system::found,
-    work::{
-        calibrate::{Calibrate, Calibrated},
-        outdated,
-    },
+    work::{calibrate::Calibrate, outdated},
 };
 
 /// Make a display profile from photometer readings.
@@ -33,45 +29,17 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     let Arguments { request, out } = arguments;
     let stem = out.file_stem().map_or_else(|| "display".into(), |stem| stem.to_string_lossy().into_owned());
     let made = request.calibrate(&stem)?;
-    print(request, &made)?;
+    made.sentences().iter().try_for_each(|sentence| print_line(sentence))?;
+    for table in calibration_tables(&made.calibration) {
+        print_line("")?;
+        print_line(&table.caption)?;
+        let header: Vec<&str> = table.header.iter().map(String::as_str).collect();
+        columns(&header, &table.rows).iter().try_for_each(|line| print_line(line))?;
+    }
+    print_line("")?;
+    made.calibration.notes.iter().try_for_each(|note| print_line(&format!("note: {note}")))?;
     let done = if found(out)?.is_some() { "replaced" } else { "wrote" };
     profile::write(writer, out, &made.profile)?;
     outdated(out, &made.profile).iter().for_each(|warning| message("warning", warning));
     print_line(&format!("{done} {}: {}", out.display(), made.profile.sentence()))
-}
-
-/// Prints the results as text.
-fn print(request: &Calibrate, made: &Calibrated) -> anyhow::Result<()> {
-    let Calibrated { calibration, family, .. } = made;
-    let channels: Vec<&str> = calibration.readings.channels().iter().map(|channel| channel.name()).collect();
-    let (file, readings) = (request.readings.display(), calibration.readings.all().len());
-    let (misfit, light) = (100.0 * calibration.misfit, calibration.luminance_of(*family));
-    print_line(&format!(
-        "{file}: {readings} readings of {}; they differ from the chosen model by {misfit:.2} %",
-        channels.join(", ")
-    ))?;
-    print_line(&format!("black {:.4} cd/m², white {:.2} cd/m²", light.black_cd_m2, light.white_cd_m2))?;
-    print_line("")?;
-    let [fits, validation] = calibration_tables(calibration);
-    print_table(&fits)?;
-    print_line("")?;
-    print_line(&validation.caption)?;
-    print_table(&validation)?;
-    print_line("")?;
-    let sums = &calibration.additivity;
-    if !sums.is_empty() {
-        print_line(&format!(
-            "additivity: gray differs from red + green + blue − 2 black by at most {:.2} %",
-            largest_percent(sums).abs(),
-        ))?;
-    }
-    calibration.notes.iter().try_for_each(|note| print_line(&format!("note: {note}")))?;
-    let better = calibration.chosen;
-    print_line(&format!("best by cross-validation: {better} (the simplest of the best-predicting models)"))?;
-    print_line(&format!("chosen: {family}{}", if request.model.is_some() { ", as requested" } else { "" }))
-}
-
-fn print_table(table: &TextTable) -> anyhow::Result<()> {
-    let header: Vec<&str> = table.header.iter().map(String::as_str).collect();
-    columns(&header, &table.rows).iter().try_for_each(|line| print_line(line))
 }

@@ -18,11 +18,6 @@ named! {
 }
 
 impl Channel {
-    /// Returns Red, Green, Blue or Gray.
-    pub fn capitalized(self) -> String {
-        self.name()[..1].to_uppercase() + &self.name()[1..]
-    }
-
     /// Returns r, g, b or gray, as written in files.
     pub fn key(self) -> &'static str {
         if self == Self::Gray { self.name() } else { &self.name()[..1] }

@@ -38,11 +38,6 @@ fn check(
     Err(format!("{quantity} {value} is outside {lowest}…{highest} {unit}; expected {expected}"))
 }
 
-/// Returns the distance in cm from which `size_cm` subtends `deg` degrees.
-pub fn distance_cm(deg: f64, size_cm: f64) -> f64 {
-    size_cm / (2.0 * (deg.to_radians() / 2.0).tan())
-}
-
 /// A screen: its physical pixels, which are square, and the width of its lit part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Screen {
@@ -67,11 +62,6 @@ impl Screen {
         let expected = "the width of the lit part of the screen";
         let width_cm = check("screen width", width_cm, &WIDTH_CM, "cm", expected)?;
         Ok(Screen { width_px, height_px, width_cm })
-    }
-
-    /// Height of the lit part in centimeters.
-    pub fn height_cm(&self) -> f64 {
-        f64::from(self.height_px) / self.px_per_cm()
     }
 
     /// Physical pixels per centimeter, the same in both directions.
@@ -182,7 +172,7 @@ impl Monitor {
         let per_inch = self.assumed_per_inch();
         let scaled =
             if self.scale == 1.0 { String::new() } else { format!(", from the system's scale of {}", self.scale) };
-        format!("Assumed ({per_inch} pixels per inch{scaled}); measure it before an actual study")
+        format!("Assumed ({per_inch} pixels per inch{scaled}); measure it before a study")
     }
 
     /// Returns the pixels per inch that systems assume for unknown screens.

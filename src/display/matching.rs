@@ -85,12 +85,10 @@ const START_GAMMA: (f64, f64) = (1.2, 4.0);
 pub struct MatchSettings {
     /// The channels to match, each once.
     pub channels: Vec<Channel>,
-    /// One row out of this many is lit: 4 or 2. With 2, the rows blend at half the viewing distance, but each match is
-    /// half as precise.
-    pub period: u32,
-    /// Thickness of a row, 1 or 2 pixels; use 2 for interlaced pictures and for panels that invert their polarity from
-    /// row to row.
-    pub row_px: u32,
+    /// The field of rows, of which one of 4 or of 2 is lit. With 2, the rows blend at half the viewing distance, but each
+    /// match is half as precise. They are 1 pixel thick, or 2 for interlaced pictures and for panels that invert their
+    /// polarity from row to row.
+    pub rows: Rows,
     /// Matches per channel; their spread gives the uncertainty.
     pub matches: usize,
 }
@@ -99,14 +97,7 @@ impl Default for MatchSettings {
     /// Ten matches each of red, green and blue.
     fn default() -> Self {
         let channels = vec![Channel::Red, Channel::Green, Channel::Blue];
-        Self { channels, period: 4, row_px: 1, matches: 10 }
-    }
-}
-
-impl MatchSettings {
-    /// The field of rows.
-    pub fn rows(&self) -> Rows {
-        Rows { lit: 1, period: self.period, row_px: self.row_px }
+        Self { channels, rows: Rows { lit: 1, period: 4, row_px: 1 }, matches: 10 }
     }
 }
 
@@ -198,7 +189,7 @@ impl Matching {
 }
 
 fn starts(settings: &MatchSettings, rng: &mut ChaCha8Rng) -> Vec<Match> {
-    let rows = settings.rows();
+    let rows = settings.rows;
     let mut channels = settings.channels.clone();
     shuffle(&mut channels, rng);
     let mut start = |channel: Channel| {
@@ -215,8 +206,6 @@ const MAX_HALF_WIDTH: f64 = 0.1;
 /// The result of the matches of one channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChannelGamma {
-    /// The matched channel.
-    pub channel: Channel,
     /// The exponent γ.
     pub gamma: f64,
     /// The 95 % interval of γ, by Student's t.
@@ -229,13 +218,13 @@ pub struct ChannelGamma {
 pub fn estimate(matches: &[Match]) -> Vec<(Channel, Result<ChannelGamma, String>)> {
     let of = |channel: Channel| {
         let own: Vec<Match> = matches.iter().filter(|one| one.channel == channel).copied().collect();
-        (!own.is_empty()).then(|| (channel, channel_gamma(channel, &own)))
+        (!own.is_empty()).then(|| (channel, channel_gamma(&own)))
     };
     Channel::ALL.iter().copied().filter_map(of).collect()
 }
 
 /// A match means (c/255)^γ = share, so ln(255/c), the quantity that varies from match to match, equals |ln share|/γ.
-fn channel_gamma(channel: Channel, own: &[Match]) -> Result<ChannelGamma, String> {
+fn channel_gamma(own: &[Match]) -> Result<ChannelGamma, String> {
     let n = own.len() as f64;
     if own.len() < 2 {
         return Err(format!("{} matches; expected at least 2", own.len()));
@@ -254,20 +243,15 @@ fn channel_gamma(channel: Channel, own: &[Match]) -> Result<ChannelGamma, String
     }
     let gamma = |mean: f64| -own[0].rows.share().ln() / mean;
     let interval = [gamma(mean + half), gamma(mean - half)];
-    Ok(ChannelGamma { channel, gamma: gamma(mean), interval, matches: own.len() })
+    Ok(ChannelGamma { gamma: gamma(mean), interval, matches: own.len() })
 }
 
 impl ChannelGamma {
     /// Returns a warning if γ is too uncertain.
     pub fn warning(&self) -> Option<String> {
         let half = (self.interval[1] - self.interval[0]) / 2.0;
-        (half > MAX_HALF_WIDTH).then(|| {
-            format!(
-                "{}: gamma is uncertain by ± {half:.2}. Sit far enough away that the rows blend, and repeat the \
-                    matches.",
-                self.channel.capitalized()
-            )
-        })
+        let advice = "Sit far enough away that the rows blend, and repeat the matches.";
+        (half > MAX_HALF_WIDTH).then(|| format!("gamma is uncertain by ± {half:.2}. {advice}"))
     }
 
     /// Returns the transfer function, with γ rounded for a profile.

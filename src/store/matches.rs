@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::{
     FileErrors, StoreError, Writer,
-    file::{AppendFile, MAX_TEXT, folder_of, read_text},
+    file::{AppendFile, MAX_TEXT, exists, folder_of, read_text},
     table::{self, exactly},
 };
 use crate::display::{
@@ -30,29 +30,25 @@ pub struct MatchFile {
 type Row = (bool, Match, u64);
 
 impl MatchFile {
-    /// Creates the file, and its folder if necessary. Never replaces an existing file.
+    /// Opens a file to continue it, and returns its matches and its seed; otherwise creates it with this seed, and its folder
+    /// if necessary. An incomplete last row, such as after a power failure, is dropped.
     ///
     /// # Errors
-    /// The same errors as [`Writer::write`].
-    pub fn create(path: &Path, seed: u64) -> Result<Self, StoreError> {
+    /// Another program is writing the file, or it is not a file of matches; the same errors as [`Writer::write`].
+    pub fn begin(path: &Path, seed: u64) -> Result<(Self, Vec<Match>), StoreError> {
+        let header = format!("{COLUMNS}\n").into_bytes();
+        if exists(path)? {
+            let file = AppendFile::open(path, true, header, MAX_TEXT)?;
+            let rows = rows(&path.display().to_string(), file.content())?;
+            let seed = rows.last().map_or(seed, |(.., seed)| *seed);
+            return Ok((Self { file, seed }, counted(rows)));
+        }
         let writer = Writer::default();
         writer.make_folder(folder_of(path))?;
         writer.check([path])?;
-        let mut file = AppendFile::new(path, true, format!("{COLUMNS}\n").into_bytes());
+        let mut file = AppendFile::new(path, true, header);
         file.flush()?;
-        Ok(Self { file, seed })
-    }
-
-    /// Opens a file to continue it, and returns its matches. An incomplete last row, such as after a power failure, is
-    /// dropped.
-    ///
-    /// # Errors
-    /// Another program is writing the file, or it is not a file of matches.
-    pub fn resume(path: &Path) -> Result<(Self, Vec<Match>), StoreError> {
-        let file = AppendFile::open(path, true, format!("{COLUMNS}\n").into_bytes(), MAX_TEXT)?;
-        let rows = rows(&path.display().to_string(), file.content())?;
-        let seed = rows.last().map_or(0, |(.., seed)| *seed);
-        Ok((Self { file, seed }, counted(rows)))
+        Ok((Self { file, seed }, Vec::new()))
     }
 
     /// Records match `number`, counted from 1, made `time_s` seconds after the first picture; or, if it `is_undone`, that it no
@@ -74,15 +70,7 @@ impl MatchFile {
 /// # Errors
 /// Reports every row that cannot be parsed, with its line and column.
 pub fn open(path: &Path) -> Result<Vec<Match>, FileErrors> {
-    parse(&path.display().to_string(), &read_text(path)?)
-}
-
-/// Reads the matches that count from a file's text; `file` identifies it in messages.
-///
-/// # Errors
-/// Reports every row that cannot be parsed, with its line and column.
-pub fn parse(file: &str, text: &str) -> Result<Vec<Match>, FileErrors> {
-    Ok(counted(rows(file, text.as_bytes())?))
+    Ok(counted(rows(&path.display().to_string(), read_text(path)?.as_bytes())?))
 }
 
 fn counted(rows: Vec<Row>) -> Vec<Match> {
@@ -95,9 +83,7 @@ fn counted(rows: Vec<Row>) -> Vec<Match> {
 
 fn rows(file: &str, text: &[u8]) -> Result<Vec<Row>, FileErrors> {
     let header = |names: &[&str]| exactly(names, COLUMNS.split(','));
-    let ((), rows, errors) = table::parse(file, text, b',', header, |(), cells, _| row(cells))?;
-    FileErrors::none(errors)?;
-    Ok(rows)
+    Ok(table::parse(file, text, b',', header, |(), cells| row(cells))?.1)
 }
 
 /// Parses a row.

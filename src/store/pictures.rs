@@ -13,7 +13,7 @@ use super::{
     FileErrors, StoreError,
     file::{read_bytes, read_text, sha256},
     image::{self, parse_picture},
-    table::{self, Row, separator, with_point},
+    table::{self, separator, with_point},
     toml::TableReader,
 };
 use crate::{
@@ -144,7 +144,7 @@ fn levels(folder: &Path, pattern: &str) -> Result<Levels, StoreError> {
         Ok((names, place))
     };
     let (separator, mut levels) = (separator(text.lines().next().unwrap_or_default().as_bytes()), HashMap::new());
-    let read = |(_, place): &(Vec<String>, usize), cells: &[&str], _: &Row<'_>| {
+    let read = |(_, place): &(Vec<String>, usize), cells: &[&str]| {
         let mut cells: Vec<String> = cells.iter().map(|cell| with_point(cell.trim(), separator).into_owned()).collect();
         let name = cells.remove(*place);
         // Another pattern may match the file.
@@ -158,8 +158,7 @@ fn levels(folder: &Path, pattern: &str) -> Result<Levels, StoreError> {
             None => Ok(()),
         }
     };
-    let ((mut names, place), _, errors) = table::parse(&file, text.as_bytes(), separator, header, read)?;
-    FileErrors::none(errors)?;
+    let ((mut names, place), _) = table::parse(&file, text.as_bytes(), separator, header, read)?;
     names.remove(place);
     for (at, name) in names.iter().enumerate() {
         let problem = if *name == Picture::PICTURE || is_reserved(name) {

@@ -7,7 +7,6 @@ use serde_json::Value;
 
 use super::{
     FileError, FileErrors, StoreError, Writer,
-    error::RowErrors,
     file::{folder_of, read_bytes, read_text},
     mat::{self, Value as MatValue},
     table::{self, separator, with_point},
@@ -15,7 +14,7 @@ use super::{
 use crate::{
     display::{
         Channel,
-        photometer::{ErrorLocation, MIN_LEVELS, Reading, Readings},
+        photometer::{MIN_LEVELS, Reading, Readings},
     },
     light::color::luminance_of_spectrum,
 };
@@ -29,15 +28,13 @@ const MAX_READINGS: usize = 4000;
 /// Reads a complete set of readings, sufficient for a profile, in the order in which they were taken.
 ///
 /// # Errors
-/// Reports every error, with its line and column if it is in a cell. If a column has many values that are not possible, only
-/// the first ones are listed, followed by the number of others.
+/// Reports every error, with its line and column if it is in a cell.
 pub fn open(path: &Path) -> Result<Readings, FileErrors> {
     let (file, bytes) = (path.display().to_string(), read_bytes(path, mat::MAX_BYTES, "a readable file")?);
     if !mat::is_mat(&bytes) {
         return parse(&file, &read_text(path)?);
     }
-    let found = psychtoolbox(&bytes).map_err(|message| FileErrors::whole(&file, message))?;
-    complete(&file, found.into_iter().map(|reading| Row { reading, places: None }).collect(), Vec::new())
+    complete(&file, psychtoolbox(&bytes).map_err(|message| FileErrors::whole(&file, message))?)
 }
 
 /// Parses the text of a readings file; `file` identifies it in messages.
@@ -45,56 +42,13 @@ pub fn open(path: &Path) -> Result<Readings, FileErrors> {
 /// # Errors
 /// The same errors as [`open()`].
 pub fn parse(file: &str, text: &str) -> Result<Readings, FileErrors> {
-    let (rows, unread) = match of_other_program(text) {
-        Some(found) => {
-            let found = found.map_err(|message| FileErrors::whole(file, message))?;
-            let row = |(reading, line)| Row { reading, places: Some([(line, 1); 3]) };
-            (found.into_iter().map(row).collect(), Vec::new())
-        }
-        None => rows(file, text)?,
-    };
-    complete(file, rows, unread)
-}
-
-/// Checks all readings; `unread` are the errors in the rows that are not readings.
-fn complete(file: &str, mut rows: Vec<Row>, unread: Vec<FileError>) -> Result<Readings, FileErrors> {
-    complete_black(&mut rows);
-    let found = match Readings::new(rows.iter().map(|row| row.reading).collect()) {
-        Ok(readings) if unread.is_empty() => return Ok(readings),
-        checked => checked.err().unwrap_or_default(),
-    };
-    let (mut errors, is_whole, mut others) = (RowErrors::default(), unread.is_empty(), unread);
-    for (location, message) in found {
-        let (index, column) = match location {
-            ErrorLocation::Luminance(index) => (index, 2),
-            ErrorLocation::Level(index) => (index, 1),
-            ErrorLocation::All => {
-                // What the rows that could not be read say is not known.
-                others.extend(is_whole.then(|| FileError::whole(file, message)));
-                continue;
-            }
-        };
-        errors.add(None, Some(column), || match rows[index].places {
-            Some(places) => FileError::at(file, places[column], message),
-            None => FileError::whole(file, message),
-        });
-    }
-    let mut all = [errors.finish(file, &COLUMNS), others].concat();
-    all.sort_by_key(|error| (error.position.is_none(), error.position));
-    Err(FileErrors(all))
-}
-
-/// Gives the reading of black to every channel that lacks it: all channels are dark in it.
-fn complete_black(rows: &mut Vec<Row>) {
-    let blacks: Vec<Row> = rows.iter().filter(|row| row.reading.level == 0.0).cloned().collect();
-    let Some(of) = blacks.first().map(|black| black.reading.channel) else { return };
-    for &channel in Channel::ALL {
-        let own = |row: &&Row| row.reading.channel == channel;
-        if rows.iter().any(|row| own(&row)) && !blacks.iter().any(|row| own(&row)) {
-            let one = blacks.iter().filter(|row| row.reading.channel == of);
-            rows.extend(one.map(|row| Row { reading: Reading { channel, ..row.reading }, ..row.clone() }));
-        }
-    }
+    complete(
+        file,
+        match of_other_program(text) {
+            Some(found) => found.map_err(|message| FileErrors::whole(file, message))?,
+            None => incomplete(file, text)?,
+        },
+    )
 }
 
 /// Reads the readings in a possibly incomplete file in order to resume it.
@@ -102,9 +56,21 @@ fn complete_black(rows: &mut Vec<Row>) {
 /// # Errors
 /// Reports rows that are not readings, with their line and column.
 pub fn open_incomplete(path: &Path) -> Result<Vec<Reading>, FileErrors> {
-    let (rows, errors) = rows(&path.display().to_string(), &read_text(path)?)?;
-    FileErrors::none(errors)?;
-    Ok(rows.into_iter().map(|row| row.reading).collect())
+    incomplete(&path.display().to_string(), &read_text(path)?)
+}
+
+/// Checks all readings. That of black is given to every channel that lacks it: all channels are dark in it.
+fn complete(file: &str, mut readings: Vec<Reading>) -> Result<Readings, FileErrors> {
+    let blacks: Vec<Reading> = readings.iter().filter(|one| one.level == 0.0).copied().collect();
+    for &channel in Channel::ALL {
+        let own = |one: &Reading| one.channel == channel;
+        if readings.iter().any(own) && !blacks.iter().any(own) {
+            let of_first = blacks.iter().filter(|one| one.channel == blacks[0].channel);
+            readings.extend(of_first.map(|one| Reading { channel, ..*one }));
+        }
+    }
+    let whole = |errors: Vec<String>| errors.into_iter().map(|error| FileError::whole(file, error)).collect();
+    Readings::new(readings).map_err(|errors| FileErrors(whole(errors)))
 }
 
 /// Writes readings, and creates their folder if necessary.
@@ -120,18 +86,11 @@ pub fn write(writer: &Writer, path: &Path, readings: &[Reading]) -> Result<(), S
     writer.write(path, text.as_bytes())
 }
 
-/// A reading, and the line and column of each of its cells in the order of [`COLUMNS`], if it comes from text.
-#[derive(Clone)]
-struct Row {
-    reading: Reading,
-    places: Option<[(usize, usize); 3]>,
-}
-
-/// Returns the rows that are readings, and the errors in the others.
+/// Reads the rows of our own table.
 ///
 /// # Errors
-/// The header lacks a column, or there are too many readings.
-fn rows(file: &str, text: &str) -> Result<(Vec<Row>, Vec<FileError>), FileErrors> {
+/// The header lacks a column, a row is not a reading, or there are too many readings.
+fn incomplete(file: &str, text: &str) -> Result<Vec<Reading>, FileErrors> {
     let separator = separator(text.lines().next().unwrap_or_default().as_bytes());
     let header = |names: &[&str]| {
         let found = COLUMNS.map(|column| names.iter().position(|name| name.trim().eq_ignore_ascii_case(column)));
@@ -140,7 +99,7 @@ fn rows(file: &str, text: &str) -> Result<(Vec<Row>, Vec<FileError>), FileErrors
         let message = || format!("the header lacks {}; expected the columns {}", missing.join(", "), COLUMNS.join(","));
         if missing.is_empty() { Ok(found.map(Option::unwrap_or_default)) } else { Err((0, message())) }
     };
-    let (_, rows, errors) = table::parse(file, text.as_bytes(), separator, header, |columns, cells, row| {
+    let (_, rows) = table::parse(file, text.as_bytes(), separator, header, |columns, cells| {
         let number = |index: usize| {
             let cell = cells[columns[index]].trim();
             let message = || format!("{} {cell:?} is not a number; expected one such as 0.5", COLUMNS[index]);
@@ -151,10 +110,12 @@ fn rows(file: &str, text: &str) -> Result<(Vec<Row>, Vec<FileError>), FileErrors
         let message = || (columns[0], format!("channel {name:?} is not known; expected r, g, b or gray"));
         let reading =
             Reading { channel: *channel.ok_or_else(message)?, level: number(1)?, luminance_cd_m2: number(2)? };
-        Ok(Row { reading, places: Some(columns.map(|column| row.place(column))) })
+        let place = |field| COLUMNS.iter().position(|column| *column == field).map_or(0, |index| columns[index]);
+        reading.check().map_err(|(field, message)| (place(field), message))?;
+        Ok(reading)
     })?;
     match rows.len() {
-        0..=MAX_READINGS => Ok((rows, errors)),
+        0..=MAX_READINGS => Ok(rows),
         many => {
             let message = format!("the number of readings is {many}; expected at most {MAX_READINGS}");
             Err(FileErrors::whole(file, message))
@@ -162,12 +123,9 @@ fn rows(file: &str, text: &str) -> Result<(Vec<Row>, Vec<FileError>), FileErrors
     }
 }
 
-/// A reading, and its line in the file.
-type Found = (Reading, usize);
-
 /// Reads the readings of another program; `None` if the text is not one of these formats. Mixed colors are not readings of a
 /// channel and are left out.
-fn of_other_program(text: &str) -> Option<Result<Vec<Found>, String>> {
+fn of_other_program(text: &str) -> Option<Result<Vec<Reading>, String>> {
     // Editors may put a mark before the first character.
     let text = text.trim_start_matches('\u{feff}');
     match text.split_whitespace().next()? {
@@ -181,100 +139,78 @@ fn of_other_program(text: &str) -> Option<Result<Vec<Found>, String>> {
 }
 
 /// Reads a CGATS table with the fields `RGB_R`, `RGB_G`, `RGB_B` and `XYZ_Y`.
-fn cgats(text: &str) -> Result<Vec<Found>, String> {
-    let mut fields: Vec<&str> = Vec::new();
-    let (mut in_format, mut in_data, mut is_whole) = (false, false, false);
-    let (mut white_cd_m2, mut relative, mut sets) = (None, false, None);
-    let mut rows: Vec<([f64; 3], f64, usize)> = Vec::new();
-    for (line, content) in (1..).zip(text.lines()) {
-        let words: Vec<&str> = content.split_whitespace().collect();
-        match words.first().copied() {
-            Some("BEGIN_DATA_FORMAT") => in_format = true,
-            Some("END_DATA_FORMAT") => in_format = false,
-            Some("BEGIN_DATA") => in_data = true,
-            // A second table describes something else.
-            Some("END_DATA") => {
-                is_whole = true;
-                break;
-            }
-            Some("LUMINANCE_XYZ_CDM2") => {
-                white_cd_m2 = words.get(2).and_then(|y| y.trim_matches('"').parse::<f64>().ok());
-            }
-            Some("NUMBER_OF_SETS") => sets = words.get(1).copied(),
-            Some("NORMALIZED_TO_Y_100") => relative = content.contains("YES"),
-            Some(_) if in_format => fields.extend(words),
-            Some(_) if in_data => {
-                let value = |name: &str| {
-                    let place = fields.iter().position(|field| *field == name);
-                    let place =
-                        place.ok_or_else(|| format!("has no field {name}; expected RGB_R, RGB_G, RGB_B, XYZ_Y"))?;
-                    let word = words.get(place).copied().unwrap_or_default();
-                    word.parse::<f64>()
-                        .map_err(|_| format!("line {line}: {name} {word:?} is not a number; expected one such as 12.5"))
-                };
-                rows.push(([value("RGB_R")?, value("RGB_G")?, value("RGB_B")?], value("XYZ_Y")?, line));
-            }
-            _ => {}
-        }
+fn cgats(text: &str) -> Result<Vec<Reading>, String> {
+    let lines = || (1..).zip(text.lines()).map(|(line, text)| (line, text.split_whitespace().collect::<Vec<&str>>()));
+    // A second table describes something else.
+    let table: Vec<_> = lines().take_while(|(_, words)| words.first() != Some(&"END_DATA")).collect();
+    let place = |keyword: &str| table.iter().position(|(_, words)| words.first() == Some(&keyword));
+    let after = |keyword: &str| table[place(keyword).map_or(table.len(), |place| place + 1)..].iter();
+    let word = |keyword: &str, index: usize| table[place(keyword)?].1.get(index).copied();
+    let fields = after("BEGIN_DATA_FORMAT").take_while(|(_, words)| words.first() != Some(&"END_DATA_FORMAT"));
+    let fields: Vec<&str> = fields.flat_map(|(_, words)| words).copied().collect();
+    let mut rows = Vec::new();
+    for (line, words) in after("BEGIN_DATA").filter(|(_, words)| !words.is_empty()) {
+        let value = |name: &str| {
+            let place = fields.iter().position(|field| *field == name);
+            let place = place.ok_or_else(|| format!("has no field {name}; expected RGB_R, RGB_G, RGB_B, XYZ_Y"))?;
+            let word = words.get(place).copied().unwrap_or_default();
+            let wrong = |_| format!("line {line}: {name} {word:?} is not a number; expected one such as 12.5");
+            word.parse::<f64>().map_err(wrong)
+        };
+        rows.push(([value("RGB_R")?, value("RGB_G")?, value("RGB_B")?], value("XYZ_Y")?, *line));
     }
     if rows.is_empty() {
         return Err("has no data; expected a table between BEGIN_DATA and END_DATA".to_owned());
     }
-    if !is_whole {
+    if table.len() == lines().take(table.len() + 1).count() {
         return Err("ends within its data; expected END_DATA".to_owned());
     }
-    if let Some(sets) = sets.filter(|sets| *sets != rows.len().to_string()) {
+    if let Some(sets) = word("NUMBER_OF_SETS", 1).filter(|sets| *sets != rows.len().to_string()) {
         return Err(format!("has {} rows of data; expected {sets}, as NUMBER_OF_SETS says", rows.len()));
     }
-    let scale = match (relative, white_cd_m2) {
-        (false, _) => 1.0,
-        (true, Some(white)) => white / 100.0,
-        (true, None) => {
-            return Err(
-                "has luminances relative to white only; expected LUMINANCE_XYZ_CDM2 with that of white".to_owned()
-            );
-        }
-    };
+    let is_relative = word("NORMALIZED_TO_Y_100", 1).is_some_and(|word| word.contains("YES"));
+    let white_cd_m2 = word("LUMINANCE_XYZ_CDM2", 2).and_then(|y| y.trim_matches('"').parse::<f64>().ok());
+    let lacks_white = "has luminances relative to white only; expected LUMINANCE_XYZ_CDM2 with that of white";
+    let scale = if is_relative { white_cd_m2.ok_or(lacks_white)? / 100.0 } else { 1.0 };
     let largest = rows.iter().flat_map(|(rgb, ..)| rgb).fold(0.0_f64, |most, value| most.max(*value));
     let full = if largest > 100.0 { 255.0 } else { 100.0 };
     let mut found = Vec::new();
-    for (rgb, y, line) in &rows {
-        let levels = rgb.map(|value| value / full);
-        let channel = match levels {
-            [0.0, 0.0, 0.0] => continue,
+    for (rgb, y, line) in rows {
+        let channel = match rgb {
             [r, g, b] if r == g && g == b => Channel::Gray,
             [_, 0.0, 0.0] => Channel::Red,
             [0.0, _, 0.0] => Channel::Green,
             [0.0, 0.0, _] => Channel::Blue,
             _ => continue,
         };
-        let level = levels.into_iter().fold(0.0, f64::max);
-        found.push((Reading { channel, level, luminance_cd_m2: y * scale }, *line));
+        let level = rgb.into_iter().fold(0.0, f64::max) / full;
+        let reading = Reading { channel, level, luminance_cd_m2: y * scale };
+        reading.check().map_err(|(_, message)| format!("line {line}: {message}"))?;
+        found.push(reading);
     }
     // A chart of colors has a few patches of pure primaries, which are not a curve beside the grays.
     let levels = |channel: Channel| {
-        let own = found.iter().filter(|(one, _)| one.channel == channel);
-        own.map(|(one, _)| one.level.to_bits()).collect::<HashSet<_>>().len()
+        let own = found.iter().filter(|one| one.channel == channel && one.level != 0.0);
+        own.map(|one| one.level.to_bits()).collect::<HashSet<_>>().len()
     };
     let is_curve = |channel: &Channel| match levels(Channel::Gray) {
         0 => levels(*channel) > 0,
         _ => levels(*channel) + 1 >= MIN_LEVELS,
     };
     let channels: Vec<Channel> = Channel::ALL.iter().copied().filter(is_curve).collect();
-    found.retain(|(one, _)| channels.contains(&one.channel));
-    if let Some(channel) = channels.first() {
-        let blacks = rows.iter().filter(|(rgb, ..)| *rgb == [0.0; 3]);
-        let black = |y: f64| Reading { channel: *channel, level: 0.0, luminance_cd_m2: y * scale };
-        found.extend(blacks.map(|(_, y, line)| (black(*y), *line)));
+    // Black is no gray where no grays were read.
+    for black in found.iter_mut().filter(|one| one.level == 0.0) {
+        black.channel = channels.first().copied().unwrap_or(Channel::Gray);
     }
+    found.retain(|one| channels.contains(&one.channel));
     Ok(found)
 }
 
 /// Reads the newest calibration in a monitor file of PsychoPy: `levelsPre`, 0 to 255, and `lumsPre`, one row for gray and
 /// then one each for red, green and blue.
-fn psychopy(text: &str) -> Result<Vec<Found>, String> {
+fn psychopy(text: &str) -> Result<Vec<Reading>, String> {
     let file: Value = serde_json::from_str(text).map_err(|error| format!("is not valid JSON: {error}"))?;
-    let has_readings = |one: &&Value| one.get("levelsPre").is_some_and(|levels| !levels.is_null());
+    let has_readings = |one: &&Value| !one["levelsPre"].is_null();
     let all = file.as_object().into_iter().flat_map(|all| all.values());
     let calibration = if has_readings(&&file) { Some(&file) } else { all.rev().find(has_readings) };
     let calibration =
@@ -295,7 +231,7 @@ fn psychopy(text: &str) -> Result<Vec<Found>, String> {
             lums.ok_or_else(|| format!("lumsPre has a row without {} numbers, one for each level", levels.len()))?;
         let reading =
             |(level, luminance_cd_m2): (&f64, f64)| Reading { channel, level: level / 255.0, luminance_cd_m2 };
-        found.extend(levels.iter().zip(lums).map(reading).map(|reading| (reading, 1)));
+        found.extend(levels.iter().zip(lums).map(reading));
     }
     Ok(found)
 }

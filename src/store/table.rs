@@ -229,17 +229,17 @@ pub(super) fn with_point(text: &str, separator: u8) -> Cow<'_, str> {
 }
 
 /// Reads a small table: `header` checks the first row and returns what `row` needs to read the others, such as the places of
-/// columns. Returns that, the rows that could be read, and the errors in the others.
+/// columns. Returns that and the rows.
 ///
 /// # Errors
-/// Reports an error in the header, with its line and column.
+/// Reports an error in the header or every error in the rows, with their lines and columns.
 pub(super) fn parse<H, T>(
     file: &str,
     text: &[u8],
     separator: u8,
     header: impl FnOnce(&[&str]) -> Result<H, CellError>,
-    mut row: impl FnMut(&H, &[&str], &Row<'_>) -> Result<T, CellError>,
-) -> Result<(H, Vec<T>, Vec<FileError>), FileErrors> {
+    mut row: impl FnMut(&H, &[&str]) -> Result<T, CellError>,
+) -> Result<(H, Vec<T>), FileErrors> {
     let (mut rows, mut errors, mut header, mut head) = (Vec::new(), Vec::new(), Some(header), None);
     let content = Content { bytes: text, is_sheet: false };
     rows_from(content, separator, None, |found| {
@@ -255,15 +255,13 @@ pub(super) fn parse<H, T>(
         {
             error((0, format!("the number of cells in the row is {}; expected {width}", cells.len())));
         } else if let Some((head, _)) = &head {
-            rows.extend(row(head, &cells, found).map_err(error));
+            rows.extend(row(head, &cells).map_err(error));
         }
         head.is_some()
     });
-    match head {
-        Some((head, _)) => Ok((head, rows, errors)),
-        None if errors.is_empty() => Err(FileErrors::at(file, (1, 1), "the file is empty; expected a header row")),
-        None => Err(FileErrors(errors)),
-    }
+    FileErrors::none(errors)?;
+    let empty = || FileErrors::at(file, (1, 1), "the file is empty; expected a header row");
+    head.map(|(head, _)| (head, rows)).ok_or_else(empty)
 }
 
 /// Checks that a header has these columns.

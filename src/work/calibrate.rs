@@ -8,12 +8,15 @@ use serde::Serialize;
 use super::today;
 use crate::{
     display::{
-        DisplayProfile, Measurement,
-        photometer::{Calibration, Family},
+        DisplayProfile, LuminanceRange, Measurement,
+        photometer::{Calibration, Family, largest_percent},
     },
     store::readings,
     text::names::one_of,
 };
+
+/// The instrument, unless it is named.
+const WITH: &str = "photometer";
 
 /// The readings, and what else the profile says.
 #[derive(Clone, Debug, PartialEq, Eq, clap::Args, Serialize)]
@@ -28,7 +31,7 @@ pub struct Calibrate {
     #[arg(long, value_name = "WHO")]
     pub by: Option<String>,
     /// Name of the photometer.
-    #[arg(long, value_name = "PHOTOMETER", default_value = "photometer")]
+    #[arg(long, value_name = "PHOTOMETER", default_value = WITH)]
     pub with: String,
     /// Date of the measurement, such as 2026-01-31 [default: today].
     #[arg(long, value_name = "DATE", value_parser = date)]
@@ -56,6 +59,11 @@ pub struct Calibrated {
 }
 
 impl Calibrate {
+    /// Asks for the profile that readings give if nothing else is said.
+    pub fn of(readings: PathBuf) -> Self {
+        Self { readings, name: None, by: None, with: WITH.to_owned(), on: None, model: None }
+    }
+
     /// Fits the models; `name` is the display's unless the request has one.
     ///
     /// # Errors
@@ -71,5 +79,30 @@ impl Calibrate {
             Measurement { on: Some(self.on.unwrap_or_else(today)), by: self.by.clone(), with: Some(self.with.clone()) };
         let profile = calibration.profile(family, self.name.as_deref().unwrap_or(name), measured);
         Ok(Calibrated { calibration, family, profile })
+    }
+}
+
+impl Calibrated {
+    /// Says what was found, in sentences.
+    pub fn sentences(&self) -> Vec<String> {
+        let Self { calibration, family, .. } = self;
+        let (readings, model) = (&calibration.readings, calibration.model(*family));
+        let channels: Vec<&str> = readings.channels().iter().map(|channel| channel.name()).collect();
+        let (count, misfit) = (readings.all().len(), 100.0 * model.misfit);
+        let LuminanceRange { black_cd_m2, white_cd_m2 } = calibration.luminance_of(*family);
+        let mut told = vec![
+            format!("{count} readings of {}; they differ from the model by {misfit:.2} %.", channels.join(", ")),
+            format!("Black {black_cd_m2:.4} cd/m², white {white_cd_m2:.2} cd/m²."),
+        ];
+        if !calibration.additivity.is_empty() {
+            let percent = largest_percent(&calibration.additivity).abs();
+            told.push(format!("Additivity: gray differs from red + green + blue − 2 black by at most {percent:.2} %."));
+        }
+        let best = "the simplest of the models that predict left-out levels best";
+        told.push(match calibration.chosen {
+            chosen if chosen == *family => format!("Chosen: {family}, {best}."),
+            chosen => format!("Chosen: {family}, as requested; {best} is {chosen}."),
+        });
+        told
     }
 }

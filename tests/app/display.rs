@@ -133,10 +133,10 @@ fn the_measured_size_of_the_screen_is_used_on_home() {
     type_into(&mut harness, "Screen width, cm", "30");
     type_into(&mut harness, "Viewing distance, cm", "57.3");
     // With 1000 pixels across 30 cm, viewed from 57.3 cm, a degree is a centimeter, or 33.3 pixels.
-    harness.get_by_label_contains("One degree is 33.3 pixels, or 1.00 cm");
+    harness.get_by_label_contains("One degree is 1.00 cm, 33.3 pixels. The stimulus is 334 pixels wide.");
     type_into(&mut harness, "Viewing distance, cm", "200");
     // 10° needs 2 · 200 · tan 5° = 35.0 cm; the shorter side is 24 cm long.
-    harness.get_by_label_contains("fits only at a viewing distance of 137 cm or less");
+    harness.get_by_label_contains("Enter a shorter distance");
     click(&mut harness, "Studies");
     window::session_form(&mut harness);
     assert_eq!(value(&harness, "Screen width, cm"), "30");
@@ -169,9 +169,7 @@ fn says(window: &Window, text: &str) -> bool {
 #[test]
 fn measuring_pages_show_nothing_else_and_leaving_asks() {
     let folder = tempfile::tempdir().unwrap();
-    for (tool, begin, shown) in
-        [("Photometer", "Begin", "Patch gray"), ("Gamma by eye", "Begin", "rows lit"), ("Timing", "Measure", "")]
-    {
+    for (tool, shown) in [("Photometer", "Patch gray"), ("Gamma by eye", "rows lit"), ("Timing", "")] {
         let mut window = home([1000.0, 900.0], STEP_S);
         click(&mut window, "Display");
         click(&mut window, tool);
@@ -181,7 +179,7 @@ fn measuring_pages_show_nothing_else_and_leaving_asks() {
         }
         let places = ["Studies", "Stimuli", "Analyze", "Help", "Settings"];
         assert!(places.iter().all(|place| says(&window, place)), "{tool}");
-        click(&mut window, begin);
+        click(&mut window, "Begin");
         window.run_steps(60);
         for _ in 0..2 {
             assert!(places.iter().all(|place| window.query_by_label(place).is_none()), "{tool}");
@@ -200,7 +198,7 @@ fn measuring_pages_show_nothing_else_and_leaving_asks() {
             click(&mut window, answer);
             assert!(!says(&window, "Quit during the measurement?") && says(&window, "Studies"), "{tool}");
             if paused {
-                click(&mut window, if tool == "Timing" { begin } else { "Resume" });
+                click(&mut window, if tool == "Timing" { "Begin" } else { "Resume" });
                 window.run_steps(60);
             }
         }
@@ -210,9 +208,9 @@ fn measuring_pages_show_nothing_else_and_leaving_asks() {
 #[test]
 fn timing_measures_and_reports() {
     let mut window = timing();
-    click(&mut window, "Measure");
+    click(&mut window, "Begin");
     window.run_steps(640);
-    for text in ["600", "60.000 Hz, 16.667 ms, measured", "dropped frames", "missed refreshes"] {
+    for text in ["600", "60.000 Hz, 16.667 ms, measured", "Dropped frames", "Missed refreshes"] {
         assert!(says(&window, text), "{text}");
     }
     assert!(says(&window, "Every refresh at 60.00 Hz showed a new frame: none of 600 was dropped."));
@@ -227,7 +225,7 @@ fn two_warnings_precede_the_flicker_and_esc_stops_it() {
     let mut window = timing();
     click(&mut window, "A flickering patch");
     assert!(says(&window, "photosensitive epilepsy"));
-    click(&mut window, "Measure");
+    click(&mut window, "Begin");
     assert!(says(&window, "It begins in 3 s. Press Esc to stop.") && says(&window, "photosensitive epilepsy"));
     window.run_steps(60);
     assert!(says(&window, "It begins in 2 s"));
@@ -235,5 +233,5 @@ fn two_warnings_precede_the_flicker_and_esc_stops_it() {
     assert!(!says(&window, "photosensitive"), "it flickers");
     window.key_press(Key::Escape);
     window.run_steps(3);
-    assert!(says(&window, "Measure") && !says(&window, "median"));
+    assert!(says(&window, "Begin") && !says(&window, "Median"));
 }

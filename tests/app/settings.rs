@@ -33,7 +33,7 @@ fn what_was_typed_is_remembered_and_participants_are_not() {
     type_into(&mut window, "Results folder", &results);
     click(&mut window, "Close");
     click(&mut window, "Display");
-    type_into(&mut window, "Profile in use", "/screens/left.toml");
+    type_into(&mut window, "Display profile", "/screens/left.toml");
     click(&mut window, "Settings");
     click(&mut window, "Light");
     click(&mut window, "Close");

@@ -74,7 +74,7 @@ fn each_half_shows_exactly_the_image_of_its_shader() {
     for (scale, path, transfer) in [(1.0, "", Transfer::Srgb), (1.5, profile.to_str().unwrap(), Transfer::Gamma(1.8))] {
         let Some(mut window) = open_with_pixels(scale) else { return };
         click(&mut window, "Display");
-        type_into(&mut window, "Profile in use", path);
+        type_into(&mut window, "Display profile", path);
         click(&mut window, "Shading");
         window.remove_cursor();
         window.run_steps(4);

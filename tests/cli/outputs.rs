@@ -223,7 +223,7 @@ fn no_command_writes_over_a_session() {
         for done in [
             profile::write(&writer, &data.join("p.toml"), &DisplayProfile::default()),
             readings::write(&writer, &data.join("r.csv"), &[]),
-            MatchFile::create(&data.join("m.csv"), 1).map(drop),
+            MatchFile::begin(&data.join("m.csv"), 1).map(drop),
             writer.write_all(&[(at("new.csv"), b"1".to_vec()), (data.join("i.csv"), b"2".to_vec())]),
         ] {
             assert!(matches!(done, Err(StoreError::Protected { .. })), "{done:?}");

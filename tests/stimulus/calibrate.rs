@@ -6,10 +6,9 @@ use std::ops::RangeInclusive;
 use machband::{
     display::{
         Channel,
-        matching::{ChannelGamma, Match, MatchSettings, Matching, estimate},
+        matching::{ChannelGamma, Match, MatchSettings, Matching, Rows, estimate},
         photometer::{
-            Calibration, Family, Patch, Reading, Readings, ReadingsError, additivity, drift_percent, largest_percent,
-            patches,
+            Calibration, Family, Patch, Reading, Readings, additivity, drift_percent, largest_percent, patches,
         },
     },
     light::{Transfer, Transfers},
@@ -189,10 +188,6 @@ fn additivity_is_measured() {
     assert!(notes.iter().any(|note| note.contains("channels not additive")), "{notes:?}");
 }
 
-fn errors(readings: Vec<Reading>) -> Vec<ReadingsError> {
-    Readings::new(readings).unwrap_err()
-}
-
 #[test]
 fn every_kind_of_bad_readings_has_its_own_message() {
     let display = Display::alike(Transfer::gamma(2.2).unwrap(), 0.3);
@@ -232,7 +227,7 @@ fn every_kind_of_bad_readings_has_its_own_message() {
         (exchanged(Channel::Gray, Channel::Green), "swapped", ""),
     ];
     for (readings, kind, detail) in cases {
-        let messages: Vec<String> = errors(readings).into_iter().map(|(_, message)| message).collect();
+        let messages = Readings::new(readings).unwrap_err();
         assert!(messages.iter().all(|message| message.contains(kind)), "{kind}: {messages:?}");
         assert!(messages.iter().any(|message| message.contains(detail)), "{kind}, {detail}: {messages:?}");
     }
@@ -259,8 +254,8 @@ fn the_plan_shows_every_patch_with_white_in_between() {
         let last = (plan.len() - 1) as f64;
         let one = |(at, patch): (usize, &Patch)| {
             let index = Channel::ALL.iter().position(|channel| *channel == patch.channel).unwrap();
-            let luminance_cd_m2 = display.cd_m2(index, patch.level) * (1.0 + drift * (at as f64 / last - 0.5));
-            Reading { channel: patch.channel, level: patch.level, luminance_cd_m2 }
+            let level = patch.reading(0.0).level;
+            patch.reading(display.cd_m2(index, level) * (1.0 + drift * (at as f64 / last - 0.5)))
         };
         Readings::new(plan.iter().enumerate().map(one).collect()).unwrap()
     };
@@ -332,7 +327,8 @@ fn gamma_is_recovered_within_five_minutes() {
 #[test]
 fn the_picture_has_rows_and_a_patch() {
     for (row_px, period) in [(1, 4), (2, 2)] {
-        let settings = MatchSettings { row_px, period, channels: vec![Channel::Gray], ..MatchSettings::default() };
+        let rows = Rows { lit: 1, period, row_px };
+        let settings = MatchSettings { rows, channels: vec![Channel::Gray], ..MatchSettings::default() };
         let shown = Matching::new(&settings, 2, Vec::new()).unwrap().shown().unwrap();
         let image = shown.rows.picture(shown.channel, shown.channel.rgb(shown.code), [120; 2], 50);
         let column = |x: u32| -> Vec<u16> { (0..120).map(|y| image.pixel(x, y)[0]).collect() };

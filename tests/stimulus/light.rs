@@ -172,11 +172,10 @@ fn the_quantizer_matches_the_formula() {
 /// Compares with sizes and angles computed by hand: a 10° window at 50 cm on a screen with 1920 pixels over 53.1 cm.
 #[test]
 fn size_angle_and_distance_determine_each_other() {
-    use machband::display::geometry::{Screen, Viewing, distance_cm, width_cm_from_card};
+    use machband::display::geometry::{Screen, Viewing, width_cm_from_card};
     let viewing = Viewing::new(Screen::new(1920, 1080, 53.1).unwrap(), 50.0).unwrap();
     let px = viewing.px_from_deg(10.0);
     assert!((viewing.cm_from_deg(10.0) - 8.748_866_352_592_4).abs() < 1e-12);
-    assert!((distance_cm(10.0, 8.748_866_352_592_4) - 50.0).abs() < 1e-12);
     assert!((px - 8.748_866_352_592_4 * 1920.0 / 53.1).abs() < 1e-9);
     assert!((viewing.deg_from_px(px) - 10.0).abs() < 1e-12);
     assert!((viewing.px_from_deg(0.001) / 0.001 / viewing.px_per_degree() - 1.0).abs() < 1e-9);

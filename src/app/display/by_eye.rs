@@ -5,20 +5,20 @@ use std::path::Path;
 use eframe::egui;
 
 use super::{
-    calibrate::{Findings, LABELS, Method, SLIDER},
+    calibrate::{About, Findings, LABELS, Method, Run, SLIDER},
     match_run::MatchRun,
 };
 use crate::{
     app::{
         session::fresh_seed,
-        ui::{Field, note, paragraph},
+        ui::{Field, paragraph},
     },
     display::{
         Channel, DisplayProfile, Viewing,
         matching::{ChannelGamma, MatchSettings, Matching, estimate, transfers},
     },
+    report::names::capitalized,
     store::matches::{self, MatchFile},
-    system::found,
 };
 
 /// Periods per degree above which rows of full contrast blend. The limit of visual acuity is about 50 to 60.
@@ -35,29 +35,31 @@ impl ByEye {
 }
 
 impl Method for ByEye {
-    type Findings = MatchFindings;
-    type Run = MatchRun;
-
-    const FORMAT: &'static str = "A CSV file that this page has written can be used again.";
-    const INTRODUCTION: &'static str = "This needs no photometer. If one of every four rows in a field is lit, the \
-        field emits a quarter of the full light, whatever the screen's gamma. Adjust the square in the field until it \
-        vanishes. Gamma is estimated from several such matches.";
-    const ITEMS: &'static str = "matches";
-    const TITLE: &'static str = "Gamma by eye";
+    fn about(&self) -> About {
+        About {
+            title: "Gamma by eye",
+            purpose: "No photometer needed: match a square to a field of rows in each channel. This takes about five minutes.",
+            introduction: "This needs no photometer. If one of every four rows in a field is lit, the field emits a quarter \
+                of the full light, whatever the screen's gamma. Adjust the square in the field until it vanishes. Gamma is \
+                estimated from several such matches.",
+            items: "matches",
+            format: Some("A CSV file that this page has written can be used again."),
+        }
+    }
 
     fn fields(&mut self, ui: &mut egui::Ui, viewing: Option<&Viewing>) {
         let settings = &mut self.0;
         let periods =
             [(4, "one of four"), (2, "one of two: rows blend at shorter distances; matches are less precise")];
-        Field::new("Lit rows").column(LABELS).radio(ui, &mut settings.period, &periods);
+        Field::new("Lit rows").column(LABELS).radio(ui, &mut settings.rows.period, &periods);
         let matches = Field::new("Matches per channel").column(LABELS).width(SLIDER);
         matches.slider(ui, &mut settings.matches, 2..=20, 1.0);
-        let mut pairs = settings.row_px == 2;
+        let mut pairs = settings.rows.row_px == 2;
         Field::new("").column(LABELS).show(ui, |ui, _| {
             ui.checkbox(&mut pairs, "Pairs of rows (interlaced pictures, row inversion)");
         });
-        settings.row_px = if pairs { 2 } else { 1 };
-        paragraph(ui, distance_sentence(viewing, settings.rows().period_px()));
+        settings.rows.row_px = if pairs { 2 } else { 1 };
+        paragraph(ui, distance_sentence(viewing, settings.rows.period_px()));
         paragraph(
             ui,
             "The left and right arrow keys make the square darker and lighter; Page Up and Page Down take large \
@@ -76,16 +78,34 @@ impl Method for ByEye {
         Ok((planned.total(), planned.remaining_s()))
     }
 
-    fn begin(&self, channels: &[Channel], path: &Path) -> Result<MatchRun, String> {
-        let is_known = found(path).map_err(|error| format!("{}: {error}", path.display()))?.is_some();
-        let (file, done) = if is_known {
-            MatchFile::resume(path).map_err(|error| error.to_string())?
-        } else {
-            (MatchFile::create(path, fresh_seed()).map_err(|error| error.to_string())?, Vec::new())
-        };
+    fn begin(&self, channels: &[Channel], path: &Path) -> Result<Box<dyn Run>, String> {
+        let (file, done) = MatchFile::begin(path, fresh_seed()).map_err(|error| error.to_string())?;
         let matching = Matching::new(&self.settings(channels), file.seed, done)
             .map_err(|error| format!("{}: {error}", path.display()))?;
-        Ok(MatchRun::new(matching, file))
+        Ok(Box::new(MatchRun::new(matching, file)))
+    }
+
+    fn read(&self, file: &Path, known: &DisplayProfile) -> Result<Findings, String> {
+        let matches = matches::open(file).map_err(|errors| errors.to_string())?;
+        let (channels, mut told) = (estimate(&matches), Vec::new());
+        for (channel, found) in &channels {
+            let name = capitalized(channel.name());
+            match found {
+                Ok(ChannelGamma { gamma, interval: [low, high], matches }) => {
+                    let interval = format!("95 % interval {low:.2} to {high:.2}, from {matches} matches");
+                    told.push((format!("{name}: gamma {gamma:.2}, {interval}."), false));
+                }
+                Err(error) => told.push((format!("{name}: gamma cannot be estimated: {error}."), true)),
+            }
+            let warning = found.as_ref().ok().and_then(ChannelGamma::warning);
+            told.extend(warning.map(|warning| (format!("{name}: {warning}"), true)));
+        }
+        Ok(Findings {
+            told,
+            profile: transfers(&channels).map(|transfers| DisplayProfile { transfers, ..known.clone() }),
+            instrument: format!("matching by eye, {} matches", matches.len()),
+            ..Findings::default()
+        })
     }
 }
 
@@ -102,41 +122,4 @@ fn distance_sentence(viewing: Option<&Viewing>, period_px: u32) -> String {
         "Sit {distance}, so that the rows, which repeat every {period_px} pixels, blend. If you sit closer, squint or take \
             off your glasses until you cannot see the rows."
     )
-}
-
-/// The estimate of γ for each channel.
-pub struct MatchFindings {
-    channels: Vec<(Channel, Result<ChannelGamma, String>)>,
-    matches: usize,
-}
-
-impl Findings for MatchFindings {
-    fn read(path: &Path) -> Result<Self, String> {
-        let matches = matches::open(path).map_err(|errors| errors.to_string())?;
-        let channels = estimate(&matches);
-        Ok(Self { channels, matches: matches.len() })
-    }
-
-    fn summary(&mut self, ui: &mut egui::Ui) {
-        for (channel, found) in &self.channels {
-            let name = channel.capitalized();
-            match found {
-                Ok(found) => {
-                    let ChannelGamma { gamma, interval: [low, high], matches, .. } = found;
-                    let told = format!("{name}: gamma {gamma:.2}, 95 % interval {low:.2} to {high:.2}");
-                    paragraph(ui, format!("{told}, from {matches} matches."));
-                    found.warning().iter().for_each(|warning| note(ui, warning));
-                }
-                Err(error) => note(ui, format!("{name}: gamma cannot be estimated: {error}.")),
-            }
-        }
-    }
-
-    fn profile(&self, known: &DisplayProfile) -> Option<DisplayProfile> {
-        transfers(&self.channels).map(|transfers| DisplayProfile { transfers, ..known.clone() })
-    }
-
-    fn instrument(&self) -> String {
-        format!("matching by eye, {} matches", self.matches)
-    }
 }

@@ -1,14 +1,16 @@
-//! What the tools have in common, and the stages that the photometer and matching by eye share: settings, a full-screen
-//! run that can be paused and resumed, findings, and the profile to save.
+//! What the tools share: settings, a full-screen run that can be paused and resumed, findings, and the profile to save.
 
 use std::path::{Path, PathBuf};
 
-use eframe::egui::{self, Color32, Context, Ui, ViewportCommand};
+use eframe::egui::{self, Context, Ui, ViewportCommand};
 
 use crate::{
-    app::ui::{
-        Field, FileKind, Monitor, Saving, Step, hint, neutral_primary, paragraph, secondary, section, show_error, text,
-        today, tool_page,
+    app::{
+        analysis::TableView,
+        ui::{
+            Field, FileKind, Monitor, Saving, Step, figure::FigureView, hint, neutral_primary, note, paragraph,
+            secondary, section, show_error, today, tool_page,
+        },
     },
     display::{Channel, DisplayProfile, Measurement, Viewing},
     store::profile,
@@ -19,40 +21,24 @@ use crate::{
 pub const LABELS: f32 = 210.0;
 pub const SLIDER: f32 = 240.0;
 
-/// A page that measures the screen.
-pub trait Tool {
-    /// Draws the page. `viewing` is the geometry of the screen, if it is known. `Next` leaves the page with the path of a
-    /// profile that was written.
-    fn show(&mut self, ui: &mut Ui, monitor: &Monitor, viewing: Option<&Viewing>) -> Step<PathBuf>;
-
-    /// Returns the background color while the screen is measured, which then shows nothing else; `None` for a page.
-    fn ground(&self) -> Option<Color32>;
-
-    /// Pauses the measurement; that of frames ends.
-    fn pause(&mut self, _: &Context);
-
-    /// Begins with what is known about the screen.
-    fn open(&mut self, _: DisplayProfile) {}
+/// What a tool is about.
+pub struct About {
+    pub title: &'static str,
+    /// What it finds out, for the list of tools.
+    pub purpose: &'static str,
+    /// How it measures, in a few sentences.
+    pub introduction: &'static str,
+    /// What is measured, in the plural.
+    pub items: &'static str,
+    /// The format of a file of measurements; `None` if they are not kept.
+    pub format: Option<&'static str>,
 }
 
-/// A way to measure the light of a screen.
+/// A way to measure the screen.
 pub trait Method {
-    /// The run that takes the measurements.
-    type Run: Run;
-    /// The findings from the measurements.
-    type Findings: Findings;
+    fn about(&self) -> About;
 
-    const TITLE: &'static str;
-    /// A description of the method, in a few sentences.
-    const INTRODUCTION: &'static str;
-    /// The plural noun for what is measured: readings or matches.
-    const ITEMS: &'static str;
-    /// The format of a measurement file.
-    const FORMAT: &'static str;
-    /// Whether channels can be chosen.
-    const HAS_CHANNELS: bool = true;
-
-    /// Draws the settings of this method.
+    /// Draws the settings of this method. `viewing` is the geometry of the screen, if it is known.
     fn fields(&mut self, ui: &mut Ui, viewing: Option<&Viewing>);
 
     /// Returns the number of items to measure, and how long that takes in seconds.
@@ -65,202 +51,203 @@ pub trait Method {
     ///
     /// # Errors
     /// If a run with these settings is not possible, or if the file has other settings or cannot be written.
-    fn begin(&self, channels: &[Channel], file: &Path) -> Result<Self::Run, String>;
-}
+    fn begin(&self, channels: &[Channel], file: &Path) -> Result<Box<dyn Run>, String>;
 
-/// A run that takes measurements. Each one is saved to the file before the next is requested.
-pub trait Run {
-    /// Draws a frame. Returns `Back` to pause, and `Next` when everything is measured.
-    fn show(&mut self, ui: &mut Ui) -> Step<()>;
-}
-
-/// What a method finds from its measurements.
-pub trait Findings: Sized {
-    /// Reads a file of measurements.
+    /// Returns what a file of measurements says about a screen, of which the rest is known.
     ///
     /// # Errors
     /// The reasons why no profile can be made from the file, one per line.
-    fn read(path: &Path) -> Result<Self, String>;
-
-    /// Draws a summary in a few lines, with any choice that the user must make.
-    fn summary(&mut self, ui: &mut Ui);
-
-    /// Draws plots and tables.
-    fn details(&mut self, _: &mut Ui) {}
-
-    /// Returns the known profile, updated with the findings; `None` if they are insufficient.
-    fn profile(&self, _: &DisplayProfile) -> Option<DisplayProfile> {
-        None
-    }
-
-    /// Returns a description of the instrument, for the profile.
-    fn instrument(&self) -> String {
-        "photometer".to_owned()
+    fn read(&self, _file: &Path, _known: &DisplayProfile) -> Result<Findings, String> {
+        Ok(Findings::default())
     }
 }
 
-/// A file of measurements, and either the findings with the profile's form, or the errors.
-type Found<M> = (PathBuf, Result<(<M as Method>::Findings, ProfileForm), String>);
+/// A run that takes measurements, while the screen shows nothing else. Each one is saved to the file, if there is one,
+/// before the next is requested.
+pub trait Run {
+    /// Draws a frame. Returns `Back` to pause, and `Next` when everything is measured: with the findings, or without them
+    /// if they are in the file.
+    fn show(&mut self, ui: &mut Ui, monitor: &Monitor) -> Step<Option<Findings>>;
+}
 
-/// The page of a method: settings, then a run, then the findings.
-pub struct Calibrate<M: Method> {
+/// What a method finds from its measurements.
+#[derive(Default)]
+pub struct Findings {
+    /// What is said about them, and whether it deserves attention.
+    pub told: Vec<(String, bool)>,
+    pub figure: Option<FigureView>,
+    pub tables: Vec<TableView>,
+    /// The known profile with what was found; `None` if that is not enough, or not for a profile.
+    pub profile: Option<DisplayProfile>,
+    /// What measured, for the profile.
+    pub instrument: String,
+}
+
+/// The page of a tool: settings, then a run, then the findings.
+pub struct Tool {
+    method: Box<dyn Method>,
+    pub about: About,
     /// What is known about the screen apart from these measurements.
-    known: DisplayProfile,
-    method: M,
+    pub known: DisplayProfile,
     /// Path of the measurements.
     path: String,
     /// Why they cannot be read, or no run can begin; empty otherwise.
     error: String,
-    /// Whether to measure red, green and blue, and whether to measure gray.
-    channels: [bool; 2],
+    /// Whether to measure red, green and blue, and whether to measure gray; `None` if nobody can choose.
+    channels: Option<[bool; 2]>,
     /// The current run.
-    run: Option<M::Run>,
-    /// The findings, once there are measurements.
-    found: Option<Found<M>>,
+    run: Option<Box<dyn Run>>,
+    /// The findings, once there are measurements, and the form of their profile.
+    found: Option<(Findings, ProfileForm)>,
 }
 
-impl<M: Method> Calibrate<M> {
-    /// Creates the settings page, on which these channels are chosen: red, green and blue; gray.
-    pub fn new(method: M, channels: [bool; 2]) -> Self {
-        let (known, path) = (DisplayProfile::default(), format!("calibration/{}.csv", M::ITEMS));
-        Self { known, method, path, error: String::new(), channels, run: None, found: None }
+impl Tool {
+    /// Creates the settings page. `channels` are the chosen ones, red, green and blue, and gray, if they can be chosen.
+    pub fn new(method: impl Method + 'static, channels: Option<[bool; 2]>) -> Self {
+        let (about, known, error) = (method.about(), DisplayProfile::default(), String::new());
+        let path = format!("calibration/{}.csv", about.items);
+        Self { method: Box::new(method), about, known, path, error, channels, run: None, found: None }
     }
 
-    /// Draws the settings. `viewing` is `None` if the viewing distance or the screen's width is unknown.
-    fn set_up(&mut self, ui: &mut Ui, viewing: Option<&Viewing>) -> bool {
-        let (mut begin, mut use_file) = (false, false);
-        let back = tool_page(ui, M::TITLE, |ui| {
-            paragraph(ui, M::INTRODUCTION);
-            ui.add_space(8.0);
-            let file = found(Path::new(self.path.trim()));
-            let is_there = file.is_ok_and(|file| file.is_some_and(|file| file.is_file()));
-            let note = "This file exists already. To resume, keep the settings. To start over, enter another file.";
-            let note = if is_there { note } else { "" };
-            let field = Field::new("File of measurements").column(LABELS).slot().error(&self.error).note(note, false);
-            let (field, chosen) = field.path(ui, &mut self.path, (FileKind::Data, "Choose a file…"));
-            if chosen || field.changed() {
-                self.error.clear();
+    /// Draws the page. `viewing` is `None` if the viewing distance or the screen's width is unknown. `Next` leaves the page
+    /// with the path of a profile that was written.
+    pub fn show(&mut self, ui: &mut Ui, monitor: &Monitor, viewing: Option<&Viewing>) -> Step<PathBuf> {
+        let Some(run) = &mut self.run else {
+            return if self.found.is_some() { self.show_findings(ui) } else { self.set_up(ui, viewing) };
+        };
+        match run.show(ui, monitor) {
+            Step::Stay => {}
+            Step::Back => self.pause(ui.ctx()),
+            Step::Next(found) => {
+                // Pausing a finished run closes its file before the file is read.
+                self.pause(ui.ctx());
+                let read = || self.method.read(&self.source(), &self.known);
+                let advice = "\nTo measure a patch again, delete its line in the file and resume.";
+                self.finish(found.map_or_else(read, Ok).map_err(|errors| errors + advice));
             }
-            if M::HAS_CHANNELS {
+        }
+        Step::Stay
+    }
+
+    /// Returns whether the screen is measured, which then shows nothing else.
+    pub fn measures(&self) -> bool {
+        self.run.is_some()
+    }
+
+    /// Pauses the measurement. Everything so far is in the file, if there is one.
+    pub fn pause(&mut self, ctx: &Context) {
+        if self.run.take().is_some() {
+            full_screen(ctx, false);
+        }
+    }
+
+    fn source(&self) -> PathBuf {
+        PathBuf::from(self.path.trim())
+    }
+
+    fn finish(&mut self, found: Result<Findings, String>) {
+        self.error.clear();
+        match found {
+            Ok(found) => {
+                let form = ProfileForm::new(&self.known, &found.instrument);
+                self.found = Some((found, form));
+            }
+            Err(errors) => self.error = errors,
+        }
+    }
+
+    /// Draws the settings.
+    fn set_up(&mut self, ui: &mut Ui, viewing: Option<&Viewing>) -> Step<PathBuf> {
+        let (mut begin, mut use_file) = (false, false);
+        let About { title, introduction, items, format, .. } = self.about;
+        let back = tool_page(ui, title, |ui| {
+            paragraph(ui, introduction);
+            ui.add_space(8.0);
+            let is_there =
+                format.is_some() && found(&self.source()).is_ok_and(|at| at.is_some_and(|file| file.is_file()));
+            if format.is_some() {
+                self.file_field(ui, is_there);
+            }
+            if let Some([colors, gray]) = &mut self.channels {
                 Field::new("Channels").column(LABELS).show(ui, |ui, _| {
                     ui.horizontal(|ui| {
-                        ui.checkbox(&mut self.channels[0], "red, green, blue");
-                        ui.checkbox(&mut self.channels[1], "gray");
+                        ui.checkbox(colors, "red, green, blue");
+                        ui.checkbox(gray, "gray");
                     });
                 });
             }
             self.method.fields(ui, viewing);
             let estimate = match self.path.trim() {
-                "" => Err(format!("No file is given for the {}; expected a path.", M::ITEMS)),
+                "" => Err(format!("No file is given for the {items}; expected a path.")),
                 _ => self.method.estimate(&self.channels()),
             };
             match &estimate {
-                Ok((items, seconds)) => {
-                    hint(ui, format!("{items} {}, about {:.0} min.", M::ITEMS, (seconds / 60.0).ceil()));
-                }
+                Ok((count, seconds)) => hint(ui, format!("{count} {items}, about {:.0} min.", (seconds / 60.0).ceil())),
                 Err(message) => show_error(ui, message),
             }
             let text = if is_there { "Resume" } else { "Begin" };
-            begin = neutral_primary(ui, text, estimate.is_ok(), "Full screen. Press Esc to pause.");
-            use_file = ui.add_enabled(is_there, egui::Button::new("Use this file")).clicked();
-            hint(ui, M::FORMAT);
+            let ends = if format.is_some() { "pause" } else { "stop" };
+            begin = neutral_primary(ui, text, estimate.is_ok(), &format!("Full screen. Press Esc to {ends}."));
+            if let Some(format) = format {
+                use_file = ui.add_enabled(is_there, egui::Button::new("Use this file")).clicked();
+                hint(ui, format);
+            }
         });
-        let source = PathBuf::from(self.path.trim());
-        let done = if use_file {
-            self.findings(&source).map(|found| self.found = Some((source, Ok(found))))
-        } else if begin {
-            self.method.begin(&self.channels(), &source).map(|run| {
-                full_screen(ui.ctx(), true);
-                self.run = Some(run);
-            })
-        } else {
-            return back;
-        };
-        self.error = done.err().unwrap_or_default();
-        ui.ctx().request_repaint();
-        back
+        if use_file {
+            self.finish(self.method.read(&self.source(), &self.known));
+        }
+        if begin {
+            match self.method.begin(&self.channels(), &self.source()) {
+                Ok(run) => {
+                    self.run = Some(run);
+                    self.error.clear();
+                    full_screen(ui.ctx(), true);
+                }
+                Err(error) => self.error = error,
+            }
+        }
+        if use_file || begin {
+            ui.ctx().request_repaint();
+        }
+        Step::back_if(back)
+    }
+
+    fn file_field(&mut self, ui: &mut Ui, is_there: bool) {
+        let note = "This file exists already. To resume, keep the settings. To start over, enter another file.";
+        let note = if is_there { note } else { "" };
+        let field = Field::new("File of measurements").column(LABELS).slot().error(&self.error).note(note, false);
+        let (field, chosen) = field.path(ui, &mut self.path, (FileKind::Data, "Choose a file…"));
+        if chosen || field.changed() {
+            self.error.clear();
+        }
     }
 
     fn channels(&self) -> Vec<Channel> {
-        let [colors, gray] = self.channels;
+        let [colors, gray] = self.channels.unwrap_or_default();
         let wanted = |channel: &Channel| if *channel == Channel::Gray { gray } else { colors };
         Channel::ALL.iter().copied().filter(wanted).collect()
     }
 
-    fn show_run(&mut self, ui: &mut Ui) {
-        match self.run.as_mut().map(|run| run.show(ui)) {
-            None | Some(Step::Stay) => {}
-            Some(Step::Back) => self.pause(ui.ctx()),
-            Some(Step::Next(())) => {
-                // Dropping a finished run closes its file before the file is read.
-                self.run = None;
-                let source = PathBuf::from(self.path.trim());
-                self.found = Some((source.clone(), self.findings(&source)));
-                full_screen(ui.ctx(), false);
-            }
-        }
-    }
-
-    fn findings(&self, source: &Path) -> Result<(M::Findings, ProfileForm), String> {
-        let found = M::Findings::read(source)?;
-        let form = ProfileForm::new(&self.known, found.instrument());
-        Ok((found, form))
-    }
-
     fn show_findings(&mut self, ui: &mut Ui) -> Step<PathBuf> {
-        let Some((source, result)) = &mut self.found else { return Step::Stay };
+        let Some((found, form)) = &mut self.found else { return Step::Stay };
         let mut saved = None;
         let back = tool_page(ui, "Result", |ui| {
-            paragraph(ui, secondary(source.display().to_string()));
-            match result {
-                Ok((found, form)) => {
-                    found.summary(ui);
-                    if let Some(profile) = found.profile(&self.known) {
-                        saved = form.show(ui, &profile);
-                    }
-                    ui.add_space(8.0);
-                    found.details(ui);
-                }
-                Err(errors) => {
-                    ui.label("No profile can be made from these measurements:");
-                    text::errors(ui, errors);
-                    hint(ui, "To measure a patch again, delete its line in the file and resume.");
-                }
+            if self.about.format.is_some() {
+                paragraph(ui, secondary(self.path.trim()));
             }
+            for (text, warns) in &found.told {
+                if *warns { note(ui, text) } else { paragraph(ui, text) }
+            }
+            saved = found.profile.as_ref().and_then(|profile| form.show(ui, profile));
+            ui.add_space(8.0);
+            found.figure.iter_mut().for_each(|figure| figure.show(ui));
+            found.tables.iter_mut().enumerate().for_each(|(id, table)| table.show(ui, id));
         });
         if back || saved.is_some() {
             self.found = None;
             ui.ctx().request_repaint();
         }
         saved.map_or(Step::Stay, Step::Next)
-    }
-}
-
-impl<M: Method> Tool for Calibrate<M> {
-    fn show(&mut self, ui: &mut Ui, _: &Monitor, viewing: Option<&Viewing>) -> Step<PathBuf> {
-        if self.found.is_some() {
-            self.show_findings(ui)
-        } else if self.run.is_some() {
-            self.show_run(ui);
-            Step::Stay
-        } else {
-            Step::back_if(self.set_up(ui, viewing))
-        }
-    }
-
-    fn ground(&self) -> Option<Color32> {
-        self.run.is_some().then_some(Color32::BLACK)
-    }
-
-    fn pause(&mut self, ctx: &Context) {
-        // Everything so far is in the file.
-        if self.run.take().is_some() {
-            full_screen(ctx, false);
-        }
-    }
-
-    fn open(&mut self, known: DisplayProfile) {
-        self.known = known;
     }
 }
 
@@ -276,10 +263,10 @@ struct ProfileForm {
 }
 
 impl ProfileForm {
-    fn new(known: &DisplayProfile, with: String) -> Self {
+    fn new(known: &DisplayProfile, with: &str) -> Self {
         let name = if known.measured.is_some() { known.name.clone() } else { UNNAMED.to_owned() };
         let by = known.measured.clone().and_then(|measured| measured.by).unwrap_or_default();
-        Self { name, by, with, saving: Saving::to("calibration/screen.toml") }
+        Self { name, by, with: with.to_owned(), saving: Saving::to("calibration/screen.toml") }
     }
 
     /// Draws the fields and the button; returns the path of the profile once it is written.
@@ -320,7 +307,7 @@ impl ProfileForm {
 }
 
 /// Makes the window fill the screen, or not.
-pub fn full_screen(ctx: &Context, on: bool) {
+fn full_screen(ctx: &Context, on: bool) {
     ctx.send_viewport_cmd(ViewportCommand::Fullscreen(on));
     ctx.request_repaint();
 }

@@ -4,8 +4,8 @@ use eframe::egui::{self, CursorIcon, Event, Key, TextureHandle};
 
 use crate::{
     app::{
-        display::calibrate::Run,
-        ui::{Step, describe, pixels, secondary, show_error, window_px, work::Kept},
+        display::calibrate::{Findings, Run},
+        ui::{Monitor, Step, describe, pixels, secondary, show_error, window_px, work::Kept},
     },
     display::matching::{GAP_S, Match, Matching},
     store::{StoreError, matches::MatchFile},
@@ -22,9 +22,9 @@ const FIELD_PER_PATCH: u32 = 3;
 pub struct MatchRun {
     matching: Matching,
     file: MatchFile,
-    /// The window's time at which the next match appears, seconds; `None` until the first frame after a pause.
-    due_s: Option<f64>,
-    /// The window's time at which the first match appears, seconds.
+    /// The window's time at which the next match appears, seconds.
+    due_s: f64,
+    /// The window's time at which the first match appears, seconds; `None` until the first frame.
     start_s: Option<f64>,
     shown: Kept<(Match, u32), TextureHandle>,
     /// Why the last match could not be saved; `None` if it is in the file.
@@ -33,11 +33,11 @@ pub struct MatchRun {
 
 impl MatchRun {
     pub fn new(matching: Matching, file: MatchFile) -> Self {
-        Self { matching, file, due_s: None, start_s: None, shown: Kept::default(), unsaved: None }
+        Self { matching, file, due_s: 0.0, start_s: None, shown: Kept::default(), unsaved: None }
     }
 
-    fn press(&mut self, key: Key, repeated: bool, now: f64, due_s: f64) {
-        let since_start = now - self.start_s.unwrap_or(now);
+    fn press(&mut self, key: Key, repeated: bool, now: f64, start_s: f64) {
+        let since_start = now - start_s;
         match key {
             Key::Backspace if !repeated => {
                 if let Some(undone) = self.matching.undo() {
@@ -46,7 +46,7 @@ impl MatchRun {
                     self.next(saved, now);
                 }
             }
-            _ if now < due_s => {}
+            _ if now < self.due_s => {}
             Key::Enter if !repeated => {
                 if let Some(accepted) = self.matching.accept() {
                     let saved = self.file.record(self.matching.done().len(), &accepted, since_start, false);
@@ -70,7 +70,7 @@ impl MatchRun {
     /// Begins the blank interval after a match. A match that could not be written is written with the next one.
     fn next(&mut self, saved: Result<(), StoreError>, now: f64) {
         self.unsaved = saved.err().map(|error| error.to_string());
-        self.due_s = Some(now + GAP_S);
+        self.due_s = now + GAP_S;
     }
 
     fn draw(&mut self, ui: &mut egui::Ui, shown: Match) {
@@ -114,26 +114,24 @@ impl MatchRun {
 
 impl Run for MatchRun {
     /// Handles the keys, then draws the field.
-    fn show(&mut self, ui: &mut egui::Ui) -> Step<()> {
+    fn show(&mut self, ui: &mut egui::Ui, _: &Monitor) -> Step<Option<Findings>> {
         let now = ui.input(|input| input.time);
-        let mut due_s = *self.due_s.get_or_insert(now + GAP_S);
-        self.start_s.get_or_insert(due_s);
+        let start_s = *self.start_s.get_or_insert(now + GAP_S);
+        self.due_s = self.due_s.max(start_s);
         for event in ui.input(|input| input.events.clone()) {
             let Event::Key { key, pressed: true, repeat, modifiers, .. } = event else { continue };
             if modifiers.command || modifiers.alt {
                 continue;
             }
             if key == Key::Escape {
-                self.due_s = None;
                 return Step::Back;
             }
-            self.press(key, repeat, now, due_s);
-            due_s = self.due_s.unwrap_or(due_s);
+            self.press(key, repeat, now, start_s);
         }
-        let Some(shown) = self.matching.shown() else { return Step::Next(()) };
+        let Some(shown) = self.matching.shown() else { return Step::Next(None) };
         ui.ctx().set_cursor_icon(CursorIcon::None);
         egui::CentralPanel::default().frame(egui::Frame::NONE).show(ui, |ui| {
-            if now < due_s {
+            if now < self.due_s {
                 ui.ctx().request_repaint();
             } else {
                 self.draw(ui, shown);

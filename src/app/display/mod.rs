@@ -3,8 +3,8 @@
 //! | file | contents |
 //! |---|---|
 //! | [`tools`] | what is known about the screen, and the list of tools |
-//! | [`card`] | measuring the screen with a bank card |
-//! | [`calibrate`] | what tools have in common; the stages that both ways to measure light share |
+//! | [`screen`] | the fields for the screen, and measuring it with a bank card |
+//! | [`calibrate`] | what tools share: settings, a run, findings, and the profile to save |
 //! | [`photometer`], [`patch_run`] | calibration with a photometer: settings and findings; the patches |
 //! | [`sizes`] | whether the luminance depends on the size of a patch |
 //! | [`by_eye`], [`match_run`] | matching by eye: settings and findings; the matches |
@@ -12,14 +12,14 @@
 
 mod by_eye;
 mod calibrate;
-mod card;
 mod match_run;
 mod patch_run;
 mod photometer;
+mod screen;
 mod sizes;
 mod timing;
 mod tools;
 
-pub use card::CardHelper;
-pub use timing::TimingReport;
+pub use screen::{CheckedScreen, ScreenForm};
+pub use timing::judged_frames;
 pub use tools::Display;

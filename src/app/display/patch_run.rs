@@ -10,11 +10,11 @@ use eframe::egui::{
 
 use crate::{
     app::{
-        display::calibrate::Run,
-        ui::{Step, describe, number, paragraph, theme::ink},
+        display::calibrate::{Findings, Run},
+        ui::{Monitor, Step, describe, number, paragraph, theme::ink},
     },
-    display::photometer::{Patch, Reading, is_same_level},
-    store::{FileErrors, StoreError, Writer, readings},
+    display::photometer::{Patch, is_same_level},
+    store::{StoreError, Writer, readings},
     system::found,
 };
 
@@ -59,20 +59,22 @@ impl PatchRun {
         settle_s: f64,
         percents: Vec<u32>,
         around: Color32,
-    ) -> Result<Self, StoreError> {
+    ) -> Result<Box<dyn Run>, String> {
         let mut readings = vec![None; patches.len()];
-        let is_known = found(path).map_err(|error| StoreError::io(path, "access", error))?.is_some();
+        let is_known = found(path).map_err(|error| format!("{}: {error}", path.display()))?.is_some();
         if is_known {
-            for one in readings::open_incomplete(path)? {
-                let same = |patch: &Patch| patch.channel == one.channel && is_same_level(patch.level, one.level);
+            for one in readings::open_incomplete(path).map_err(|errors| errors.to_string())? {
+                let same =
+                    |patch: &Patch| patch.channel == one.channel && is_same_level(patch.reading(0.0).level, one.level);
                 let free = (0..readings.len()).find(|at| readings[*at].is_none() && same(&patches[*at]));
                 let Some(free) = free else {
-                    let what = format!(
-                        "has a reading of {} at level {} that these settings do not include; expected another file, or \
+                    return Err(format!(
+                        "{}: has a reading of {} at level {} that these settings do not include; expected another file, or \
                             the original settings",
-                        one.channel, one.level
-                    );
-                    return Err(FileErrors::whole(path, what).into());
+                        path.display(),
+                        one.channel,
+                        one.level
+                    ));
                 };
                 readings[free] = Some(one.luminance_cd_m2);
             }
@@ -94,19 +96,18 @@ impl PatchRun {
         // The file is written before the first reading, so that an unwritable file is reported now. A complete one stays
         // as it is.
         if run.at < run.patches.len() {
-            run.write(is_known)?;
+            run.write(is_known).map_err(|error| error.to_string())?;
         }
-        Ok(run)
+        Ok(Box::new(run))
     }
 
     fn write(&self, replaces: bool) -> Result<(), StoreError> {
-        let read = self.patches.iter().zip(&self.readings).filter_map(|(patch, reading)| {
-            reading.map(|luminance_cd_m2| Reading { channel: patch.channel, level: patch.level, luminance_cd_m2 })
-        });
+        let patches = self.patches.iter().zip(&self.readings);
+        let read = patches.filter_map(|(patch, value)| Some(patch.reading((*value)?)));
         readings::write(&Writer::new([], replaces), &self.path, &read.collect::<Vec<_>>())
     }
 
-    fn line(&mut self, ui: &mut egui::Ui, at: usize, remaining_s: f64) -> Step<()> {
+    fn line(&mut self, ui: &mut egui::Ui, at: usize, remaining_s: f64) -> Step<Option<Findings>> {
         ui.visuals_mut().override_text_color = Some(DIM);
         let patch = self.patches[at];
         let mut accept = false;
@@ -137,59 +138,46 @@ impl PatchRun {
             paragraph(ui, RichText::new(message).small().color(ink(ui).warn.gamma_multiply(0.7)));
         }
         if accept {
-            self.accept(at, remaining_s);
+            self.select = true;
+            self.message = self.accept(at, remaining_s).err();
         } else if previous && at > 0 {
-            self.at = at - 1;
-            self.prepare_line(self.readings[at - 1]);
+            self.show_patch(at - 1);
         }
         match () {
             () if pause => Step::Back,
-            () if self.at == self.patches.len() => Step::Next(()),
+            () if self.at == self.patches.len() => Step::Next(None),
             () => Step::Stay,
         }
     }
 
-    /// Accepts the typed text as the reading of a patch, or says why not.
-    fn accept(&mut self, at: usize, remaining_s: f64) {
-        self.select = true;
-        let value = number(&self.entry).filter(|value| *value >= 0.0);
-        self.message = match value {
-            None => {
-                Some(format!("{:?} is not a luminance; expected cd/m², 0 or more, such as 12.3", self.entry.trim()))
-            }
-            Some(_) if remaining_s > 0.0 => {
-                Some("The patch has not settled yet. Read it again, then press Enter.".to_owned())
-            }
-            Some(value) => match self.implausible(at, value).filter(|_| self.unconfirmed != Some(value)) {
-                Some(warning) => {
-                    self.unconfirmed = Some(value);
-                    Some(warning)
-                }
-                None => self.take(at, value),
-            },
-        };
-    }
-
-    /// Stores a reading in memory and on disk; returns the error, if any.
-    fn take(&mut self, at: usize, value: f64) -> Option<String> {
+    /// Accepts the typed text as the reading of a patch, in memory and on disk, or says why not.
+    fn accept(&mut self, at: usize, remaining_s: f64) -> Result<(), String> {
+        let wrong = || format!("{:?} is not a luminance; expected cd/m², 0 or more, such as 12.3", self.entry.trim());
+        let value = number(&self.entry).ok_or_else(wrong)?;
+        self.patches[at].reading(value).check().map_err(|(_, message)| message)?;
+        if remaining_s > 0.0 {
+            return Err("The patch has not settled yet. Read it again, then press Enter.".to_owned());
+        }
+        if let Some(warning) = self.implausible(at, value).filter(|_| self.unconfirmed != Some(value)) {
+            self.unconfirmed = Some(value);
+            return Err(warning);
+        }
         let before = self.readings[at].replace(value);
         if let Err(error) = self.write(true) {
             // The typed text stays in the line, so that the user can try again.
             self.readings[at] = before;
-            return Some(error.to_string());
+            return Err(error.to_string());
         }
-        self.at = first_unread(&self.readings);
-        self.prepare_line(None);
-        None
+        self.show_patch(first_unread(&self.readings));
+        Ok(())
     }
 
-    /// Prepares the line for the next patch: it is empty, or contains the patch's previous reading.
-    fn prepare_line(&mut self, before: Option<f64>) {
+    /// Shows a patch. The line is empty, or contains the patch's previous reading.
+    fn show_patch(&mut self, at: usize) {
+        let before = self.readings.get(at).copied().flatten();
         self.entry = before.map_or_else(String::new, |value| value.to_string());
-        self.select = true;
-        self.since = None;
-        self.message = None;
-        self.unconfirmed = None;
+        (self.at, self.select) = (at, true);
+        (self.since, self.message, self.unconfirmed) = (None, None, None);
     }
 
     /// Returns the reason why a reading may be a typing error: it is below the reading of a lower level or above that
@@ -212,10 +200,10 @@ impl PatchRun {
 }
 
 impl Run for PatchRun {
-    fn show(&mut self, ui: &mut egui::Ui) -> Step<()> {
+    fn show(&mut self, ui: &mut egui::Ui, _: &Monitor) -> Step<Option<Findings>> {
         let at = self.at;
         if at == self.patches.len() {
-            return Step::Next(());
+            return Step::Next(None);
         }
         let now = ui.input(|input| input.time);
         let remaining_s = self.settle_s - (now - *self.since.get_or_insert(now));

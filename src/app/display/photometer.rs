@@ -5,20 +5,20 @@ use std::path::Path;
 use eframe::egui::{self, Color32};
 
 use super::{
-    calibrate::{Findings, LABELS, Method, SLIDER},
+    calibrate::{About, Findings, LABELS, Method, Run, SLIDER},
     patch_run::PatchRun,
 };
 use crate::{
     app::{
         analysis::TableView,
-        ui::{Field, figure::FigureView, note, show_error},
+        ui::{Field, figure::FigureView},
     },
     display::{
-        Channel, DisplayProfile, Measurement, Viewing,
-        photometer::{Calibration, Patch, largest_percent, patches},
+        Channel, DisplayProfile, Viewing,
+        photometer::{Patch, patches},
     },
     report::figures,
-    store::readings,
+    work::calibrate::{Calibrate, Calibrated},
 };
 
 /// Gray around a patch; this code emits about a fifth of full light.
@@ -50,14 +50,20 @@ impl Photometer {
 }
 
 impl Method for Photometer {
-    type Findings = PhotometerFindings;
-    type Run = PatchRun;
-
-    const FORMAT: &'static str = "Readings of other programs can be used: CSV with the columns channel,level,luminance_cd_m2, where channel is r, g, b or gray, and level is the code divided by the largest code, 0 to 1; .ti3 files of ArgyllCMS; monitor files of PsychoPy; .mat files of Psychtoolbox.";
-    const INTRODUCTION: &'static str = "Patches are shown one at a time; type each photometer reading. First let the \
-        screen warm up for half an hour, and darken the room.";
-    const ITEMS: &'static str = "readings";
-    const TITLE: &'static str = "Photometer";
+    fn about(&self) -> About {
+        About {
+            title: "Photometer",
+            purpose: "Measure the luminance of every level: point a photometer at patches, or load readings from a file.",
+            introduction: "Patches are shown one at a time; type each photometer reading. First let the screen warm up for \
+                half an hour, and darken the room.",
+            items: "readings",
+            format: Some(
+                "Readings of other programs can be used: CSV with the columns channel,level,luminance_cd_m2, where channel is \
+                    r, g, b or gray, and level is the code divided by the largest code, 0 to 1; .ti3 files of ArgyllCMS; \
+                    monitor files of PsychoPy; .mat files of Psychtoolbox.",
+            ),
+        }
+    }
 
     fn fields(&mut self, ui: &mut egui::Ui, _: Option<&Viewing>) {
         let field = |label| Field::new(label).column(LABELS).width(SLIDER);
@@ -75,60 +81,24 @@ impl Method for Photometer {
         Ok((patches, patches as f64 * (self.settle_s + READING_S)))
     }
 
-    fn begin(&self, channels: &[Channel], file: &Path) -> Result<PatchRun, String> {
+    fn begin(&self, channels: &[Channel], file: &Path) -> Result<Box<dyn Run>, String> {
         let around = if self.gray_around { AROUND } else { Color32::BLACK };
-        let run = PatchRun::begin(self.patches(channels)?, file, self.settle_s, vec![self.percent], around);
-        run.map_err(|error| error.to_string())
-    }
-}
-
-/// The models fitted to the readings.
-pub struct PhotometerFindings {
-    calibration: Calibration,
-    /// The readings and the curves of the chosen model.
-    figure: FigureView,
-    tables: [TableView; 2],
-}
-
-impl Findings for PhotometerFindings {
-    fn read(path: &Path) -> Result<Self, String> {
-        let readings = readings::open(path).map_err(|errors| errors.to_string())?;
-        let calibration = Calibration::new(&readings);
-        let figure = FigureView::new(figures::calibration(&calibration, calibration.chosen));
-        let tables = figures::calibration_tables(&calibration).map(TableView::new);
-        Ok(Self { calibration, figure, tables })
+        PatchRun::begin(self.patches(channels)?, file, self.settle_s, vec![self.percent], around)
     }
 
-    fn summary(&mut self, ui: &mut egui::Ui) {
-        let calibration = &self.calibration;
-        let light = calibration.luminance_of(calibration.chosen);
-        ui.label(format!(
-            "Black {:.3} cd/m², white {:.1} cd/m². Readings differ from the chosen model by {:.2} %.",
-            light.black_cd_m2,
-            light.white_cd_m2,
-            100.0 * calibration.misfit
-        ));
-        if !calibration.additivity.is_empty() {
-            let percent = largest_percent(&calibration.additivity).abs();
-            ui.label(format!("Gray differs from the sum of the three channels by at most {percent:.1} %."));
-        }
-        calibration.notes.iter().for_each(|text| note(ui, text));
-        calibration.refusal(None).iter().for_each(|message| show_error(ui, message));
-        let chosen = calibration.chosen;
-        ui.strong(format!("Chosen: {chosen}, the simplest of the models that predict left-out levels best."));
-    }
-
-    fn details(&mut self, ui: &mut egui::Ui) {
-        self.figure.show(ui);
-        self.tables.iter_mut().enumerate().for_each(|(id, table)| table.show(ui, id));
-    }
-
-    fn profile(&self, known: &DisplayProfile) -> Option<DisplayProfile> {
-        if self.calibration.refusal(None).is_some() {
-            return None;
-        }
-        let made = self.calibration.profile(self.calibration.chosen, "", Measurement::default());
+    fn read(&self, file: &Path, known: &DisplayProfile) -> Result<Findings, String> {
+        let request = Calibrate::of(file.to_owned());
+        let made = request.calibrate("").map_err(|error| error.to_string())?;
+        let found = made.sentences().into_iter().map(|sentence| (sentence, false));
+        let Calibrated { calibration, profile, .. } = made;
+        let notes = calibration.notes.iter().map(|note| (note.clone(), true));
         let DisplayProfile { primaries, bits, screen_width_cm, native_px, .. } = known.clone();
-        Some(DisplayProfile { primaries, bits, screen_width_cm, native_px, ..made })
+        Ok(Findings {
+            told: found.chain(notes).collect(),
+            figure: Some(FigureView::new(figures::calibration(&calibration))),
+            tables: figures::calibration_tables(&calibration).map(TableView::new).into(),
+            profile: Some(DisplayProfile { primaries, bits, screen_width_cm, native_px, ..profile }),
+            instrument: request.with,
+        })
     }
 }

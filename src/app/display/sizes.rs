@@ -5,13 +5,13 @@ use std::path::Path;
 use eframe::egui::{self, Color32};
 
 use super::{
-    calibrate::{Findings, LABELS, Method, SLIDER},
+    calibrate::{About, Findings, LABELS, Method, Run, SLIDER},
     patch_run::PatchRun,
     photometer::{READING_S, SETTLING_S},
 };
 use crate::{
-    app::ui::{Field, hint, note},
-    display::{Channel, Viewing, photometer::Patch},
+    app::ui::Field,
+    display::{Channel, DisplayProfile, Viewing, photometer::Patch},
     store::readings,
 };
 
@@ -26,17 +26,16 @@ pub struct SizeTest {
 }
 
 impl Method for SizeTest {
-    type Findings = SizeFindings;
-    type Run = PatchRun;
-
-    const FORMAT: &'static str =
-        "A CSV file can be used that has one row for each size, from the smallest to the largest.";
-    const HAS_CHANNELS: bool = false;
-    const INTRODUCTION: &'static str = "White patches of five sizes on black are shown one at a time; type each \
-        photometer reading. Some screens, OLED ones above all, dim large bright areas, so that a profile holds for one \
-        size only.";
-    const ITEMS: &'static str = "sizes";
-    const TITLE: &'static str = "Patch size";
+    fn about(&self) -> About {
+        About {
+            title: "Patch size",
+            purpose: "Find out with a photometer whether the screen dims large bright areas, as OLED screens do.",
+            introduction: "White patches of five sizes on black are shown one at a time; type each photometer reading. Some \
+                screens, OLED ones above all, dim large bright areas, so that a profile holds for one size only.",
+            items: "sizes",
+            format: Some("A CSV file can be used that has one row for each size, from the smallest to the largest."),
+        }
+    }
 
     fn fields(&mut self, ui: &mut egui::Ui, _: Option<&Viewing>) {
         let field = Field::new("Settling time, seconds").column(LABELS).width(SLIDER);
@@ -47,45 +46,32 @@ impl Method for SizeTest {
         Ok((PERCENTS.len(), PERCENTS.len() as f64 * (self.settle_s + READING_S)))
     }
 
-    fn begin(&self, _: &[Channel], file: &Path) -> Result<PatchRun, String> {
-        let white = Patch { channel: Channel::Gray, code: u8::MAX, level: 1.0 };
-        let run = PatchRun::begin(vec![white; PERCENTS.len()], file, self.settle_s, PERCENTS.to_vec(), Color32::BLACK);
-        run.map_err(|error| error.to_string())
+    fn begin(&self, _: &[Channel], file: &Path) -> Result<Box<dyn Run>, String> {
+        let white = Patch { channel: Channel::Gray, code: u8::MAX };
+        PatchRun::begin(vec![white; PERCENTS.len()], file, self.settle_s, PERCENTS.to_vec(), Color32::BLACK)
     }
-}
 
-/// The luminance of white at each size.
-pub struct SizeFindings([f64; PERCENTS.len()]);
-
-impl Findings for SizeFindings {
-    fn read(path: &Path) -> Result<Self, String> {
-        let readings = readings::open_incomplete(path).map_err(|errors| errors.to_string())?;
+    fn read(&self, file: &Path, _: &DisplayProfile) -> Result<Findings, String> {
+        let readings = readings::open_incomplete(file).map_err(|errors| errors.to_string())?;
         let whites = readings.iter().filter(|one| one.channel == Channel::Gray && one.level >= 1.0);
         let cd_m2: Vec<f64> = whites.map(|one| one.luminance_cd_m2).collect();
-        let wrong = |found: Vec<f64>| {
-            let (path, sizes) = (path.display(), PERCENTS.len());
-            format!("{path}: there are {} readings of white; expected {sizes}, one for each size", found.len())
+        let &[small, _, _, _, large] = &cd_m2[..] else {
+            let (path, found, sizes) = (file.display(), cd_m2.len(), PERCENTS.len());
+            return Err(format!("{path}: there are {found} readings of white; expected {sizes}, one for each size"));
         };
-        cd_m2.try_into().map(Self).map_err(wrong)
-    }
-
-    fn summary(&mut self, ui: &mut egui::Ui) {
-        let [small, .., large] = self.0;
-        let most = self.0.into_iter().fold(0.0, f64::max);
-        let change = (most - self.0.into_iter().fold(f64::INFINITY, f64::min)) / most.max(f64::MIN_POSITIVE);
+        let most = cd_m2.iter().copied().fold(0.0, f64::max);
+        let change = (most - cd_m2.iter().copied().fold(most, f64::min)) / most.max(f64::MIN_POSITIVE);
         let digits = usize::from(change <= NOISE);
-        let told = format!("White changes by {:.digits$} % with the size of the patch", 100.0 * change);
-        if change <= NOISE {
-            hint(ui, format!("{told}: the size hardly matters."));
+        let changes = format!("White changes by {:.digits$} % with the size of the patch", 100.0 * change);
+        let mut told = vec![if change <= NOISE {
+            (format!("{changes}: the size hardly matters."), false)
         } else {
-            let text = format!(
-                "{told}: {small:.1} cd/m² for the smallest, {large:.1} cd/m² for the largest. Calibrate with a patch as \
-                    large as the stimulus, on a similar field."
-            );
-            note(ui, text);
-        }
-        for (percent, cd_m2) in PERCENTS.iter().zip(self.0) {
-            hint(ui, format!("{percent} % of the screen's height: {cd_m2:.1} cd/m²"));
-        }
+            let luminances = format!("{small:.1} cd/m² for the smallest, {large:.1} cd/m² for the largest");
+            let advice = "Calibrate with a patch as large as the stimulus, on a similar field.";
+            (format!("{changes}: {luminances}. {advice}"), true)
+        }];
+        let each = PERCENTS.iter().zip(&cd_m2);
+        told.extend(each.map(|(size, cd_m2)| (format!("{size} % of the screen's height: {cd_m2:.1} cd/m²"), false)));
+        Ok(Findings { told, ..Findings::default() })
     }
 }

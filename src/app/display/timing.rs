@@ -1,19 +1,17 @@
-//! The timing tool: measures how regular frame intervals are, and shows them in a table and a plot.
+//! The timing tool: measures how regular frame intervals are.
 
-use std::{path::PathBuf, time::Duration};
+use std::{path::Path, time::Duration};
 
 use eframe::{
-    egui::{self, CentralPanel, Color32, Frame, Key, Rect, RichText, Ui, Vec2},
+    egui::{CentralPanel, Color32, Frame, Key, Rect, RichText, Ui, Vec2},
     emath::GuiRounding as _,
 };
 
-use super::calibrate::{Tool, full_screen};
+use super::calibrate::{About, Findings, LABELS, Method, Run};
 use crate::{
-    app::ui::{
-        Field, Monitor, Step, figure::FigureView, neutral_primary, page, paragraph, secondary, theme::ink, tool_page,
-    },
+    app::ui::{Field, Monitor, Step, figure::FigureView, page, paragraph, theme::ink},
     display::{
-        Viewing,
+        Channel, Viewing,
         frames::{FrameTimes, Refresh},
     },
     report::figures,
@@ -32,92 +30,102 @@ const FLICKER_WARNING: &str = "A patch will flicker between black and white with
 const PATCH_PX: f32 = 96.0;
 const MARGIN_PX: f32 = 16.0;
 
-/// Frame intervals and the refresh against which they are judged.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TimingReport {
-    /// The intervals, judged against the refresh if it is known.
-    times: FrameTimes,
-    /// The refresh of the screen, if known.
-    pub refresh: Option<Refresh>,
-    /// The source of the refresh: `reported`, `measured` or `unknown`.
-    pub source: &'static str,
+/// Says whether there is one frame per refresh, given how long each was shown, in microseconds; whether each thing that it
+/// says deserves attention; and against which refresh it judged. That is the one that the monitor reports, or otherwise
+/// the one that the frames follow. If the intervals scatter, the refresh is unknown, and no frame is judged.
+pub fn judged_frames(intervals_us: &[u32], monitor: &Monitor) -> (Vec<(String, bool)>, Option<Refresh>) {
+    let (refresh, source) = Refresh::known(monitor.refresh_hz, intervals_us);
+    let (mut times, mut now) = (FrameTimes::default(), Duration::ZERO);
+    times.begin(now, refresh);
+    for interval in intervals_us {
+        now += Duration::from_micros(u64::from(*interval));
+        times.frame(now, refresh);
+    }
+    let ms = |p: f64| times.quantile(p).unwrap_or_default() * 1e3;
+    let unknown = || "unknown".to_owned();
+    let count = |number: Option<u64>| number.map_or_else(unknown, |number| number.to_string());
+    let known = |refresh: Refresh| format!("{:.3} Hz, {:.3} ms, {source}", refresh.hz(), refresh.seconds() * 1e3);
+    let (is_good, verdict) = verdict(&times, refresh);
+    let rows = [
+        ("Intervals", intervals_us.len().to_string()),
+        ("Refresh", refresh.map_or_else(unknown, known)),
+        ("Shortest", format!("{:.3} ms", ms(0.0))),
+        ("1 %", format!("{:.3} ms", ms(0.01))),
+        ("Median", format!("{:.3} ms", ms(0.5))),
+        ("99 %", format!("{:.3} ms", ms(0.99))),
+        ("Longest", format!("{:.3} ms", ms(1.0))),
+        ("Dropped frames", count(times.dropped())),
+        ("Missed refreshes", count(times.missed_refreshes())),
+    ];
+    let rows = rows.into_iter().map(|(name, value)| (format!("{name}: {value}"), false));
+    ([(verdict, !is_good)].into_iter().chain(rows).collect(), refresh)
 }
 
-impl TimingReport {
-    /// Judges intervals in microseconds. The refresh is the one that the monitor reports, or otherwise the one that the
-    /// frames follow. If the intervals scatter, the refresh is unknown, and no frame is judged.
-    pub fn new(intervals_us: &[u32], monitor: &Monitor) -> Self {
-        let (refresh, source) = Refresh::known(monitor.refresh_hz, intervals_us);
-        let mut times = FrameTimes::default();
-        let mut now = Duration::ZERO;
-        times.frame(now, refresh);
-        for interval in intervals_us {
-            now += Duration::from_micros(u64::from(*interval));
-            times.frame(now, refresh);
-        }
-        Self { times, refresh, source }
-    }
-
-    /// Returns how long each frame was shown, in microseconds.
-    pub fn intervals_us(&self) -> &[u32] {
-        self.times.intervals_us()
-    }
-
-    /// Returns the findings as rows of a name and a value.
-    pub fn rows(&self) -> Vec<(&'static str, String)> {
-        let ms = |p: f64| self.times.quantile(p).map_or_else(String::new, |s| format!("{:.3} ms", s * 1e3));
-        let count = |number: Option<u64>| number.map_or_else(|| "unknown".to_owned(), |number| number.to_string());
-        vec![
-            ("intervals", self.intervals_us().len().to_string()),
-            (
-                "refresh",
-                self.refresh.map_or_else(
-                    || "unknown".to_owned(),
-                    |refresh| format!("{:.3} Hz, {:.3} ms, {}", refresh.hz(), refresh.seconds() * 1e3, self.source),
-                ),
-            ),
-            ("shortest", ms(0.0)),
-            ("1 %", ms(0.01)),
-            ("median", ms(0.5)),
-            ("99 %", ms(0.99)),
-            ("longest", ms(1.0)),
-            ("dropped frames", count(self.times.dropped())),
-            ("missed refreshes", count(self.times.missed_refreshes())),
-        ]
-    }
-
-    /// Returns whether there is one frame per refresh, and says so in one or two sentences.
-    pub fn verdict(&self) -> (bool, String) {
-        let (count, ms) = (self.intervals_us().len(), |p: f64| self.times.quantile(p).unwrap_or_default() * 1e3);
-        let Some(refresh) = self.refresh.filter(|refresh| refresh.is_followed_by(self.intervals_us())) else {
-            let judged = match self.refresh {
-                Some(refresh) => format!("not even the {:.2} Hz that the system reports", refresh.hz()),
-                None => "so no frame can be judged as dropped".to_owned(),
-            };
-            let told = format!(
-                "The frames do not follow a steady refresh, {judged}: 98 % of their intervals are between {:.1} and {:.1} \
+/// Returns whether there is one frame per refresh, and says so in one or two sentences.
+fn verdict(times: &FrameTimes, refresh: Option<Refresh>) -> (bool, String) {
+    let (count, ms) = (times.intervals_us().len(), |p: f64| times.quantile(p).unwrap_or_default() * 1e3);
+    let Some(steady) = refresh.filter(|refresh| refresh.is_followed_by(times.intervals_us())) else {
+        let judged = match refresh {
+            Some(refresh) => format!("not even the {:.2} Hz that the system reports", refresh.hz()),
+            None => "so no frame can be judged as dropped".to_owned(),
+        };
+        let told = format!(
+            "The frames do not follow a steady refresh, {judged}: 98 % of their intervals are between {:.1} and {:.1} \
                     ms. Close other programs and measure in full screen.",
-                ms(0.01),
-                ms(0.99)
-            );
-            return (false, told);
-        };
-        let (hz, dropped) = (refresh.hz(), self.times.dropped().unwrap_or_default());
-        let percent = 100.0 * dropped as f64 / count as f64;
-        let told = match dropped {
-            0 => format!("Every refresh at {hz:.2} Hz showed a new frame: none of {count} was dropped."),
-            _ => format!(
-                "The frames follow the refresh rate of {hz:.2} Hz; dropped frames: {dropped} of {count} ({percent:.1} %). Close other programs."
-            ),
-        };
-        (dropped == 0, told)
+            ms(0.01),
+            ms(0.99)
+        );
+        return (false, told);
+    };
+    let (hz, dropped) = (steady.hz(), times.dropped().unwrap_or_default());
+    let percent = 100.0 * dropped as f64 / count as f64;
+    let told = match dropped {
+        0 => format!("Every refresh at {hz:.2} Hz showed a new frame: none of {count} was dropped."),
+        _ => format!(
+            "The frames follow the refresh rate of {hz:.2} Hz; dropped frames: {dropped} of {count} ({percent:.1} %). Close other programs."
+        ),
+    };
+    (dropped == 0, told)
+}
+
+/// The settings.
+#[derive(Default)]
+pub struct Timing {
+    /// Whether a patch alternates between black and white: a target for a photodiode.
+    flickers: bool,
+}
+
+impl Method for Timing {
+    fn about(&self) -> About {
+        About {
+            title: "Timing",
+            purpose: "Find out whether every refresh shows a new frame: intervals and dropped frames.",
+            introduction: "Every refresh of the screen should show a new frame. This tool measures whether it does.",
+            items: "frames",
+            format: None,
+        }
+    }
+
+    fn fields(&mut self, ui: &mut Ui, _: Option<&Viewing>) {
+        let show = Field::new("Show").column(LABELS);
+        show.show(ui, |ui, _| ui.checkbox(&mut self.flickers, "A flickering patch"));
+        if self.flickers {
+            paragraph(ui, RichText::new(FLICKER_WARNING).color(ink(ui).warn));
+        }
+    }
+
+    fn estimate(&self, _: &[Channel]) -> Result<(usize, f64), String> {
+        Ok((FRAMES, FRAMES as f64 / 60.0))
+    }
+
+    fn begin(&self, _: &[Channel], _: &Path) -> Result<Box<dyn Run>, String> {
+        let (warned, times) = (None, FrameTimes::default());
+        Ok(Box::new(TimingRun { flickers: self.flickers, warned, frame: 0, times }))
     }
 }
 
 /// A measurement in progress.
-#[derive(Default)]
 struct TimingRun {
-    /// Whether a patch alternates between black and white: a target for a photodiode.
     flickers: bool,
     /// The window's time at which the warning began, seconds. Content that does not flicker needs no warning.
     warned: Option<f64>,
@@ -125,16 +133,19 @@ struct TimingRun {
     times: FrameTimes,
 }
 
-impl TimingRun {
-    /// Draws a frame and requests the next one; returns the report once all frames are measured.
-    fn show(&mut self, ui: &mut Ui, monitor: &Monitor) -> Option<TimingReport> {
+impl Run for TimingRun {
+    /// Draws a frame and requests the next one.
+    fn show(&mut self, ui: &mut Ui, monitor: &Monitor) -> Step<Option<Findings>> {
+        if ui.input(|input| input.key_pressed(Key::Escape)) {
+            return Step::Back;
+        }
         let now = ui.input(|input| input.time);
         ui.ctx().request_repaint();
         if self.flickers {
             let remaining_s = WARNING_S - (now - *self.warned.get_or_insert(now));
             if remaining_s > 0.0 {
                 warn(ui, remaining_s);
-                return None;
+                return Step::Stay;
             }
             draw_patch(ui, self.frame);
         }
@@ -143,7 +154,12 @@ impl TimingRun {
             self.times.frame(Duration::try_from_secs_f64(now).unwrap_or_default(), None);
         }
         let measured = self.times.intervals_us();
-        (measured.len() >= FRAMES).then(|| TimingReport::new(measured, monitor))
+        if measured.len() < FRAMES {
+            return Step::Stay;
+        }
+        let (told, refresh) = judged_frames(measured, monitor);
+        let figure = Some(FigureView::new(figures::intervals(measured, refresh)));
+        Step::Next(Some(Findings { told, figure, ..Findings::default() }))
     }
 }
 
@@ -162,75 +178,4 @@ fn warn(ui: &mut Ui, remaining_s: f64) {
         paragraph(ui, FLICKER_WARNING);
         ui.label(format!("It begins in {:.0} s. Press Esc to stop.", remaining_s.ceil()));
     });
-}
-
-#[derive(Default)]
-pub struct TimingTool {
-    flickers: bool,
-    run: Option<TimingRun>,
-    found: Option<(TimingReport, FigureView)>,
-}
-
-impl TimingTool {
-    fn settings(&mut self, ui: &mut egui::Ui) {
-        Field::new("Show").show(ui, |ui, _| ui.checkbox(&mut self.flickers, "A flickering patch"));
-        if self.flickers {
-            paragraph(ui, RichText::new(FLICKER_WARNING).color(ink(ui).warn));
-        }
-        ui.add_space(4.0);
-    }
-
-    fn show_found(&mut self, ui: &mut egui::Ui) {
-        let Some((report, figure)) = &mut self.found else { return };
-        let (is_one_by_one, told) = report.verdict();
-        let color = if is_one_by_one { ink(ui).good } else { ink(ui).warn };
-        paragraph(ui, RichText::new(told).strong().color(color));
-        ui.add_space(4.0);
-        egui::Grid::new("timing").num_columns(2).spacing([24.0, 4.0]).show(ui, |ui| {
-            for (name, value) in report.rows() {
-                ui.label(secondary(name));
-                ui.label(value);
-                ui.end_row();
-            }
-        });
-        ui.add_space(8.0);
-        figure.show(ui);
-    }
-}
-
-impl Tool for TimingTool {
-    fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor, _: Option<&Viewing>) -> Step<PathBuf> {
-        if let Some(run) = &mut self.run {
-            let report = run.show(ui, monitor);
-            if report.is_some() || ui.input(|input| input.key_pressed(Key::Escape)) {
-                let drawn = |report: TimingReport| {
-                    let figure = figures::intervals(report.intervals_us(), report.refresh);
-                    (report, FigureView::new(figure))
-                };
-                self.found = report.map(drawn).or(self.found.take());
-                self.pause(ui.ctx());
-            }
-            return Step::Stay;
-        }
-        Step::back_if(tool_page(ui, "Timing", |ui| {
-            ui.label("Every refresh of the screen should show a new frame. This tool measures whether it does.");
-            ui.add_space(8.0);
-            self.settings(ui);
-            if neutral_primary(ui, "Measure", true, "Full screen. Press Esc to stop.") {
-                self.run = Some(TimingRun { flickers: self.flickers, ..TimingRun::default() });
-                full_screen(ui.ctx(), true);
-            }
-            ui.add_space(12.0);
-            self.show_found(ui);
-        }))
-    }
-
-    fn pause(&mut self, ctx: &egui::Context) {
-        self.run = None;
-        full_screen(ctx, false);
-    }
-
-    fn ground(&self) -> Option<Color32> {
-        self.run.is_some().then_some(Color32::BLACK)
-    }
 }

@@ -8,10 +8,11 @@ use std::{
 use super::grid::Cell;
 use crate::{
     app::{
-        session::{Request, room, stimulus_side_px},
+        display::CheckedScreen,
+        session::Request,
         ui::{Field, Monitor, ScreenFields, full, number},
     },
-    display::{DisplayProfile, Viewing},
+    display::DisplayProfile,
     experiment::{Identity, Protocol, Schedule},
     report::names::capitalized,
     store::{
@@ -43,9 +44,6 @@ pub struct SessionForm {
 pub const EXPERIMENT: &str = "Experiment";
 pub const PARTICIPANT: &str = "Participant";
 pub const SESSION: &str = "Session";
-pub const DISTANCE: &str = "Viewing distance, cm";
-pub const SCREEN_WIDTH: &str = "Screen width, cm";
-pub const PROFILE: &str = "Display profile";
 pub const RESULTS: &str = "Results folder";
 
 /// The result of checking a form for a monitor.
@@ -53,15 +51,12 @@ pub const RESULTS: &str = "Results folder";
 pub struct Checked {
     /// The definition, if it is valid.
     pub protocol: Option<Protocol>,
-    /// The profile, if it is valid; sRGB if no profile is given.
-    pub display: Option<DisplayProfile>,
+    /// What the fields for the screen say.
+    pub screen: CheckedScreen,
+    /// What is wrong in the other fields.
     errors: BTreeMap<&'static str, String>,
     /// Whether this session is unfinished, so that Start resumes it.
     pub resume: bool,
-    /// Side of the stimulus on this screen in physical pixels, and pixels per degree.
-    pub stimulus_px: Option<(u32, f64)>,
-    /// Why the stimulus is too coarse on this screen, if it is.
-    pub coarse: Option<String>,
     /// The session to run, if there are no errors.
     pub request: Option<Request>,
 }
@@ -76,11 +71,6 @@ impl Checked {
     pub fn error(&self, part: &str) -> &str {
         self.errors.get(part).map_or("", String::as_str)
     }
-
-    /// Returns the display profile, or what is wrong with it.
-    pub fn profile(&self) -> Result<&DisplayProfile, &str> {
-        self.display.as_ref().ok_or_else(|| self.error(PROFILE))
-    }
 }
 
 impl SessionForm {
@@ -92,7 +82,7 @@ impl SessionForm {
     pub fn check(&self, monitor: &Monitor) -> Checked {
         let mut errors = BTreeMap::new();
         let protocol = self.protocol().map_err(|error| errors.insert(EXPERIMENT, error)).ok();
-        let display = self.screen.profile().map_err(|error| errors.insert(PROFILE, error)).ok();
+        let screen = CheckedScreen::new(&self.screen, monitor, protocol.as_ref());
         if let Err(error) = Identity::check_session(&self.cell.session) {
             errors.insert(SESSION, capitalized(&error));
         }
@@ -128,25 +118,14 @@ impl SessionForm {
                 errors.insert(EXPERIMENT, error.to_string());
             }
         }
-        let viewing = self.viewing(monitor, &mut errors);
-        let seen = viewing.zip(protocol.as_ref());
-        let stimulus_px = seen.map(|(viewing, protocol)| {
-            let side = stimulus_side_px(&viewing, protocol);
-            let screen = [monitor.width_px, monitor.height_px];
-            if let Err(error) = room(protocol, side, monitor.scale, "screen", screen) {
-                let error = error + " Enter a shorter distance, or use a larger screen.";
-                errors.insert(DISTANCE, error);
-            }
-            (side, viewing.px_per_degree())
-        });
-        let coarse = seen.and_then(|(viewing, protocol)| viewing.coarseness(protocol.viewing.window_deg));
-        let request = match (&protocol, &display, identity) {
-            (Some(protocol), Some(display), Some(identity)) if errors.is_empty() => {
+        let is_right = errors.is_empty() && screen.is_right();
+        let request = match (&protocol, &screen.profile, identity) {
+            (Some(protocol), Ok(display), Some(identity)) if is_right => {
                 Some(self.request(protocol, identity, display, resume))
             }
             _ => None,
         };
-        Checked { protocol, display, errors, resume, stimulus_px, coarse, request }
+        Checked { protocol, screen, errors, resume, request }
     }
 
     /// Returns the request for a session with the screen and the results folder of this form.
@@ -168,14 +147,6 @@ impl SessionForm {
     /// Reads the definition.
     pub fn protocol(&self) -> Result<Protocol, String> {
         definition::open(&self.experiment).map_err(|error| error.to_string())
-    }
-
-    /// Returns the viewing geometry, or adds the errors in its fields.
-    fn viewing(&self, monitor: &Monitor, errors: &mut BTreeMap<&'static str, String>) -> Option<Viewing> {
-        let screen = self.screen.screen(monitor).map_err(|error| errors.insert(SCREEN_WIDTH, error));
-        let distance = self.screen.distance().map_err(|error| errors.insert(DISTANCE, error));
-        let viewing = Viewing::new(screen.ok()?, distance.ok()?);
-        viewing.map_err(|error| errors.insert(DISTANCE, capitalized(&error))).ok()
     }
 }
 

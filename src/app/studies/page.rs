@@ -17,7 +17,7 @@ use super::{
 };
 use crate::{
     app::{
-        display::CardHelper,
+        display::ScreenForm,
         editor::Thumbnails,
         session::Request,
         ui::{
@@ -84,7 +84,7 @@ pub struct Studies {
     pub(super) suggested: String,
     /// The distance that the definition plans, as text.
     pub(super) planned_cm: String,
-    pub(super) card: Option<CardHelper>,
+    pub(super) screen: ScreenForm,
     pub(super) list: StudyList,
     pub(super) sessions: Sessions,
     pub(super) selected: Option<Cell>,
@@ -170,7 +170,7 @@ impl Studies {
             });
         });
         let dialog = self.open.take().and_then(|open| self.dialog(ui, open, &mut now));
-        CardHelper::measure(&mut self.card, ui.ctx(), &mut self.form.screen, monitor);
+        self.screen.measure(ui.ctx(), &mut self.form.screen, monitor);
         dialog.or(next).map_or(Step::Stay, Step::Next)
     }
 

@@ -11,15 +11,12 @@ use super::{
 };
 use crate::{
     app::{
-        display::CardHelper,
         session::Request,
         ui::{
             self, Field, FileKind, Monitor, ScreenFields,
             theme::{GAP, LARGE_GAP, ink},
-            today,
         },
     },
-    display::DisplayProfile,
     store::{
         dataset::free_participant,
         definition::{BUILT_IN, built_in},
@@ -104,7 +101,7 @@ impl Studies {
             self.suggest();
         }
         let mut checked = self.form.check(monitor);
-        let known = checked.display.as_ref().and_then(|display| display.screen_width_cm);
+        let known = checked.screen.profile.as_ref().ok().and_then(|display| display.screen_width_cm);
         if let Some(width) = known.filter(|_| self.form.screen.width_is_assumed()) {
             // A profile that knows the screen's width is better than an assumption.
             self.form.screen.screen_width_cm = width.to_string();
@@ -134,15 +131,15 @@ impl Studies {
                         ui.set_width(ui.available_width() - if beside { PLAN + LARGE_GAP } else { 0.0 });
                         self.fields(ui, now);
                     });
-                    if let Some((side_px, _)) = checked.stimulus_px.filter(|_| beside) {
+                    if let Some(side_px) = checked.screen.stimulus_px.filter(|_| beside) {
                         plan(ui, now.monitor, side_px);
                     }
                 });
             });
-            self.start(ui, now, entered && self.card.is_none())
+            self.start(ui, now, entered && !self.screen.measures())
         });
         let (next, cancelled) = next;
-        if cancelled || closed && self.card.is_none() || next.is_some() {
+        if cancelled || closed && !self.screen.measures() || next.is_some() {
             (self.open, self.error) = (None, None);
         }
         next
@@ -157,24 +154,7 @@ impl Studies {
             first.request_focus();
         }
         checked.field(form::SESSION).slot().hint("1, 2, … for the same participant").text(ui, session);
-        let coarse = checked.coarse.as_deref().unwrap_or_default();
-        let field = checked.field(form::DISTANCE).slot().note(coarse, true);
-        field.hint("from eye to screen").text(ui, &mut screen.distance_cm);
-        let origin = if screen.width_is_assumed() { now.monitor.assumption() + ". " } else { String::new() };
-        let size = checked.stimulus_px.map_or_else(String::new, |(side, per_degree)| {
-            format!("{origin}{per_degree:.1} pixels per degree; the stimulus is {side} pixels wide.")
-        });
-        checked.field(form::SCREEN_WIDTH).slot().note(&size, false).show(ui, |ui, label| {
-            ui.horizontal_wrapped(|ui| {
-                CardHelper::field(&mut self.card, ui, label, &mut self.form.screen, now.monitor);
-            });
-        });
-        let browse = (FileKind::Toml, "Choose a display profile…");
-        let warning = checked.display.as_ref().and_then(|display| display.warning(today()));
-        let mut told = checked.display.as_ref().map_or_else(String::new, DisplayProfile::sentence);
-        warning.iter().for_each(|warning| told = format!("{told}. {warning}"));
-        let field = checked.field(form::PROFILE).slot().note(&told, warning.is_some()).hint("sRGB");
-        field.path(ui, &mut self.form.screen.profile, browse);
+        self.screen.show(ui, form::LABELS, screen, now.monitor, &checked.screen);
         let browse = (FileKind::Folder, "Choose the results folder…");
         let field = checked.field(form::RESULTS).slot();
         let (field, _) = field.path(ui, &mut self.form.results, browse);
@@ -232,7 +212,7 @@ impl Studies {
         let identity = &session.identity;
         self.form.cell = Cell::of(identity);
         self.error = None;
-        let Some(display) = &now.checked.display else {
+        let Ok(display) = &now.checked.screen.profile else {
             self.error = Some("The display profile cannot be read. Correct it, then resume the session.".to_owned());
             return None;
         };

@@ -3,8 +3,6 @@
 //!
 //! X11 reports most of this through RandR. The preflight asks the person at the screen about everything else.
 
-use std::path::Path;
-
 use eframe::egui;
 use x11rb::{
     connection::Connection as _,
@@ -15,11 +13,7 @@ use x11rb::{
     rust_connection::RustConnection,
 };
 
-use super::fields::number;
-use crate::{
-    display::{DisplayProfile, Monitor, Screen, Viewing},
-    store::{profile, settings::ScreenFields},
-};
+use crate::{display::Monitor, store::settings::ScreenFields};
 
 /// The properties of a screen; `None` for those that the system does not report.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -160,49 +154,8 @@ pub fn window_px(ctx: &egui::Context) -> (u32, u32) {
 }
 
 impl ScreenFields {
-    /// Reads the display profile; sRGB if no path is given.
-    ///
-    /// # Errors
-    /// The errors in the file, one per line.
-    pub fn profile(&self) -> Result<DisplayProfile, String> {
-        match self.profile.trim() {
-            "" => Ok(DisplayProfile::default()),
-            path => profile::open(Path::new(path)).map_err(|error| error.to_string()),
-        }
-    }
-
-    /// Returns the geometry of this screen.
-    ///
-    /// # Errors
-    /// A length is impossible, or is not a number.
-    pub fn viewing(&self, monitor: &Monitor) -> Result<Viewing, String> {
-        Viewing::new(self.screen(monitor)?, self.distance()?)
-    }
-
-    /// Returns this screen.
-    ///
-    /// # Errors
-    /// Its width is impossible, or is not a number.
-    pub fn screen(&self, monitor: &Monitor) -> Result<Screen, String> {
-        let typed =
-            if self.width_is_assumed() { Some(monitor.assumed_width_cm()) } else { number(&self.screen_width_cm) };
-        Screen::new(monitor.width_px, monitor.height_px, centimeters(typed, "53.1")?)
-    }
-
-    /// Returns the viewing distance in cm.
-    ///
-    /// # Errors
-    /// It is not a number.
-    pub fn distance(&self) -> Result<f64, String> {
-        centimeters(number(&self.distance_cm), "57")
-    }
-
     /// Returns whether the screen's width is assumed rather than measured or typed.
     pub fn width_is_assumed(&self) -> bool {
         self.screen_width_cm.trim().is_empty()
     }
-}
-
-fn centimeters(typed: Option<f64>, example: &str) -> Result<f64, String> {
-    typed.ok_or_else(|| format!("Enter a number of centimeters, e.g. {example}."))
 }

@@ -71,9 +71,14 @@ impl Saving {
 
     /// Draws the button; when it is clicked, returns the writer to use. `inputs` are files that are never replaced.
     pub fn button(&mut self, ui: &mut Ui, caption: &str, enabled: bool, inputs: &[PathBuf]) -> Option<Writer> {
+        let replaces = self.asked.as_ref() == Some(&self.path());
         // It keeps its place when its text changes.
-        let button = Button::new(self.caption(caption)).min_size(Vec2::new(84.0, 0.0));
-        ui.add_enabled(enabled, button).clicked().then(|| self.writer(inputs))
+        let button = Button::new(if replaces { "Replace" } else { caption }).min_size(Vec2::new(84.0, 0.0));
+        let clicked = ui.add_enabled(enabled, button).clicked();
+        clicked.then(|| {
+            self.forget();
+            Writer::new(inputs.to_vec(), replaces)
+        })
     }
 
     /// Draws the button that writes a file, whose ending must be among `known`. `write` gets its path and its ending.
@@ -88,18 +93,6 @@ impl Saving {
         let path = self.path();
         let written = ending(&path, known).and_then(|ending| write(&writer, &path, ending));
         self.finish(&path, written.map(|()| saved(&path)));
-    }
-
-    /// Returns the text of the button: `caption`, or the question whether to replace the file.
-    pub fn caption<'a>(&self, caption: &'a str) -> &'a str {
-        if self.asks() { "Replace" } else { caption }
-    }
-
-    /// Returns the writer to use after a click.
-    pub fn writer(&mut self, inputs: &[PathBuf]) -> Writer {
-        let force = self.asks();
-        self.forget();
-        Writer::new(inputs.to_vec(), force)
     }
 
     /// Stores the outcome: what was done, or why not.
@@ -129,9 +122,5 @@ impl Saving {
             say(ctx, done);
         }
         self.outcome.as_ref()?.as_ref().err().map(String::as_str)
-    }
-
-    fn asks(&self) -> bool {
-        self.asked.as_ref() == Some(&self.path())
     }
 }

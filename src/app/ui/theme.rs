@@ -299,8 +299,8 @@ macro_rules! icons {
         }
 
         impl Icon {
-            /// Returns the lines and circles of the icon: `M`, `L`, `H` and `V` as in the paths of SVG, `Z` to close a
-            /// line, `o X Y RADIUS` for a circle; parts are separated by `|`.
+            /// Returns the lines and circles of the icon: `X Y` for each point of a line, followed by `Z` if it is closed,
+            /// and `X Y RADIUS` for a circle; parts are separated by `|`.
             const fn path(self) -> &'static str {
                 match self {
                     $(Self::$name => $path,)*
@@ -311,34 +311,34 @@ macro_rules! icons {
 }
 
 icons! {
-    Studies "M2 2H7V7H2Z|M9 2H14V7H9Z|M2 9H7V14H2Z|M9 9H14V14H9Z"
-    Stimuli "M2 2H14V14H2Z|M2 11H6L10 5H14"
-    Shading "o 8 8 6|M9.2 2.2L11.2 4.8L11.9 8L11.2 11.2L9.2 13.8"
-    Display "M1.5 3H14.5V11.5H1.5Z|M8 11.5V14|M5 14H11"
-    Analyze "M2 2V14H14|M5 10L8 6.5L10.5 8.5L14 4"
-    Settings "M2 4H14|M2 12H14|o 6 4 2|o 10 12 2"
-    Help "o 8 8 6.25|M6 6.5L6.5 5.4L8 5L9.5 5.4L10 6.5L9.4 7.6L8 8.6V9.4|M8 11.4V11.5"
-    Play "M5 3L12.5 8L5 13Z"
-    Resume "M3.5 3V13|M7 3L13.5 8L7 13Z"
-    Pilot "M1.5 8H4L6 3L9.5 13L11.5 8H14.5"
-    Check "M3 8.5L6.5 12L13 4.5"
-    Out "M8 10V2|M5 5L8 2L11 5|M3 9V14H13V9"
-    Folder "M1.5 4H6L7.5 5.5H14.5V13H1.5Z"
-    Edit "M3 13L3.6 10L11 2.6L13.4 5L6 12.4Z"
-    More "o 3.5 8 .8|o 8 8 .8|o 12.5 8 .8"
-    Plus "M8 3V13|M3 8H13"
-    Down "M4.5 6.5L8 10L11.5 6.5"
-    Warn "M8 2L14.5 13.5H1.5Z|M8 6.5V9.5|M8 11.4V11.5"
-    Close "M4 4L12 12|M12 4L4 12"
-    Done "o 8 8 6|M5 8.3L7.2 10.5L11 6"
-    None "o 8 8 6"
-    Part "o 8 8 6|M8 2V8L12 12.2"
-    People "o 8 5 3|M2.5 14L4.5 10.5H11.5L13.5 14"
-    Rating "M5 1H11V7H5Z|M1 11H4V14H1Z|M6.5 11H9.5V14H6.5Z|M12 11H15V14H12Z"
-    Choice "M1 4.5H6V9.5H1Z|M10 4.5H15V9.5H10Z|M7 7H9"
-    YesNo "M5 1H11V7H5Z|M2 11H7V14H2Z|M9 11H14V14H9Z"
-    Pair "M1 2H7V8H1Z|M9 2H15V8H9Z|M3 12H5|M11 12H13"
-    Adjust "M5 1H11V7H5Z|M1 12.5H7.5|M10.5 12.5H15|o 9 12.5 1.5"
+    Studies "2 2 7 2 7 7 2 7Z|9 2 14 2 14 7 9 7Z|2 9 7 9 7 14 2 14Z|9 9 14 9 14 14 9 14Z"
+    Stimuli "2 2 14 2 14 14 2 14Z|2 11 6 11 10 5 14 5"
+    Shading "8 8 6|9.2 2.2 11.2 4.8 11.9 8 11.2 11.2 9.2 13.8"
+    Display "1.5 3 14.5 3 14.5 11.5 1.5 11.5Z|8 11.5 8 14|5 14 11 14"
+    Analyze "2 2 2 14 14 14|5 10 8 6.5 10.5 8.5 14 4"
+    Settings "2 4 14 4|2 12 14 12|6 4 2|10 12 2"
+    Help "8 8 6.25|6 6.5 6.5 5.4 8 5 9.5 5.4 10 6.5 9.4 7.6 8 8.6 8 9.4|8 11.4 8 11.5"
+    Play "5 3 12.5 8 5 13Z"
+    Resume "3.5 3 3.5 13|7 3 13.5 8 7 13Z"
+    Pilot "1.5 8 4 8 6 3 9.5 13 11.5 8 14.5 8"
+    Check "3 8.5 6.5 12 13 4.5"
+    Out "8 10 8 2|5 5 8 2 11 5|3 9 3 14 13 14 13 9"
+    Folder "1.5 4 6 4 7.5 5.5 14.5 5.5 14.5 13 1.5 13Z"
+    Edit "3 13 3.6 10 11 2.6 13.4 5 6 12.4Z"
+    More "3.5 8 .8|8 8 .8|12.5 8 .8"
+    Plus "8 3 8 13|3 8 13 8"
+    Down "4.5 6.5 8 10 11.5 6.5"
+    Warn "8 2 14.5 13.5 1.5 13.5Z|8 6.5 8 9.5|8 11.4 8 11.5"
+    Close "4 4 12 12|12 4 4 12"
+    Done "8 8 6|5 8.3 7.2 10.5 11 6"
+    None "8 8 6"
+    Part "8 8 6|8 2 8 8 12 12.2"
+    People "8 5 3|2.5 14 4.5 10.5 11.5 10.5 13.5 14"
+    Rating "5 1 11 1 11 7 5 7Z|1 11 4 11 4 14 1 14Z|6.5 11 9.5 11 9.5 14 6.5 14Z|12 11 15 11 15 14 12 14Z"
+    Choice "1 4.5 6 4.5 6 9.5 1 9.5Z|10 4.5 15 4.5 15 9.5 10 9.5Z|7 7 9 7"
+    YesNo "5 1 11 1 11 7 5 7Z|2 11 7 11 7 14 2 14Z|9 11 14 11 14 14 9 14Z"
+    Pair "1 2 7 2 7 8 1 8Z|9 2 15 2 15 8 9 8Z|3 12 5 12|11 12 13 12"
+    Adjust "5 1 11 1 11 7 5 7Z|1 12.5 7.5 12.5|10.5 12.5 15 12.5|9 12.5 1.5"
 }
 
 impl Icon {
@@ -348,28 +348,19 @@ impl Icon {
         let stroke = Stroke::new(1.5 * scale, color);
         let at = |x: f32, y: f32| rect.min + scale * Vec2::new(x, y);
         for part in self.path().split('|') {
-            if let Some(circle) = part.strip_prefix("o ") {
-                if let [x, y, radius] = numbers(circle)[..] {
-                    painter.circle_stroke(at(x, y), scale * radius, stroke);
+            let numbers: Vec<f32> = part.split([' ', 'Z']).filter_map(|number| number.parse().ok()).collect();
+            match numbers[..] {
+                [x, y, radius] => _ = painter.circle_stroke(at(x, y), scale * radius, stroke),
+                _ => {
+                    let points = numbers.as_chunks().0.iter().map(|[x, y]| at(*x, *y)).collect();
+                    let is_closed = part.ends_with('Z');
+                    painter.add(if is_closed {
+                        Shape::closed_line(points, stroke)
+                    } else {
+                        Shape::line(points, stroke)
+                    });
                 }
-                continue;
             }
-            let (mut points, mut pen) = (Vec::new(), Vec2::ZERO);
-            for step in part.split_inclusive(|c: char| c.is_ascii_uppercase()).collect::<Vec<_>>().windows(2) {
-                let command = step[0].chars().last();
-                match (command, &numbers(step[1])[..]) {
-                    (Some('M' | 'L'), [x, y]) => pen = Vec2::new(*x, *y),
-                    (Some('H'), [x]) => pen.x = *x,
-                    (Some('V'), [y]) => pen.y = *y,
-                    _ => continue,
-                }
-                points.push(at(pen.x, pen.y));
-            }
-            painter.add(if part.ends_with('Z') {
-                Shape::closed_line(points, stroke)
-            } else {
-                Shape::line(points, stroke)
-            });
         }
     }
 
@@ -383,10 +374,4 @@ impl Icon {
         let (rect, _) = ui.allocate_exact_size(Vec2::splat(ICON), Sense::hover());
         self.paint(ui.painter(), rect, color);
     }
-}
-
-/// Reads the numbers of a step, before the letter of the next one.
-fn numbers(text: &str) -> Vec<f32> {
-    let text = text.trim_end_matches(|c: char| c.is_ascii_uppercase());
-    text.split_whitespace().filter_map(|number| number.parse().ok()).collect()
 }

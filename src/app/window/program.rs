@@ -6,7 +6,7 @@ use std::{
     mem, panic,
     path::{Path, PathBuf},
     rc::Rc,
-    sync::{Arc, Mutex, PoisonError},
+    sync::{Arc, OnceLock},
     thread,
 };
 
@@ -74,9 +74,9 @@ pub trait Program: eframe::App {
     fn close(&mut self) -> Option<PathBuf>;
 }
 
-/// Why the window or its graphics failed; empty until they fail.
+/// Why the window or its graphics failed first; empty until they fail.
 #[derive(Clone, Debug, Default)]
-pub struct Failure(Arc<Mutex<Option<String>>>);
+pub struct Failure(Arc<OnceLock<String>>);
 
 thread_local! {
     /// Dropped at exit if a library ends the program itself, as Xlib does when its server is lost.
@@ -86,12 +86,12 @@ thread_local! {
 impl Failure {
     /// Returns the first reported reason.
     pub fn reason(&self) -> Option<String> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        self.0.get().cloned()
     }
 
     /// Reports that the window or the graphics are lost. Only the first reason counts.
     pub fn report(&self, reason: String) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(reason);
+        _ = self.0.set(reason);
     }
 
     /// From now on, reports panics of this thread instead of printing them. The libraries of the window panic if the

@@ -1,7 +1,7 @@
 //! A display measured with a photometer: the fitted models, the chosen model, and warnings.
 
 use super::{
-    fit::{ASSUMED_NOISE, Curve, Family, Fit, Sample, fit, tables},
+    fit::{ASSUMED_NOISE, Curve, Family, Fit, Sample, fit},
     readings::{Readings, additivity, drift_percent},
 };
 use crate::{
@@ -54,8 +54,9 @@ pub struct FittedModel {
     pub channels: Vec<FittedChannel>,
     /// How well the model predicts levels that are left out.
     pub validation: Validation,
-    /// How far the readings are from this model: the root mean square, relative to the light.
-    misfit: f64,
+    /// How far the readings are from this model: the root mean square, relative to the light. It is their noise if the
+    /// model is correct.
+    pub misfit: f64,
 }
 
 /// One channel of a fitted model.
@@ -65,8 +66,6 @@ pub struct FittedChannel {
     pub channel: Channel,
     /// The fitted curve.
     pub curve: Curve,
-    /// Standard error of γ, if the curve has one.
-    pub gamma_se: Option<f64>,
     /// R² = 1 − Σ(L − fit)²/Σ(L − mean)², with luminances in cd/m².
     pub r_squared: f64,
     /// Largest difference between a reading and the curve, in 8-bit codes.
@@ -77,9 +76,6 @@ pub struct FittedChannel {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibration {
     pub readings: Readings,
-    /// How far the readings are from the chosen model: the root mean square, relative to the light. It is their noise if
-    /// the model is correct.
-    pub misfit: f64,
     /// One model of each family, in the order of [`Family::ALL`].
     pub models: Vec<FittedModel>,
     /// The model to use: the one that cross-validation prefers.
@@ -98,12 +94,10 @@ impl Calibration {
         let sample = Sample::new(readings);
         let models: Vec<FittedModel> = Family::ALL.iter().map(|family| model(*family, &sample)).collect();
         let chosen = simplest_of_the_best(&models.iter().map(|model| &model.validation).collect::<Vec<_>>());
-        let (chosen, misfit) = (models[chosen].family, models[chosen].misfit);
         let mut calibration = Self {
             readings: readings.clone(),
-            misfit,
+            chosen: models[chosen].family,
             models,
-            chosen,
             additivity: additivity(readings),
             drift_percent: drift_percent(readings),
             notes: Vec::new(),
@@ -168,30 +162,21 @@ impl Calibration {
 fn model(family: Family, sample: &Sample) -> FittedModel {
     let variants: &[bool] = if family == Family::Srgb || sample.channels.len() == 1 { &[true] } else { &[true, false] };
     let validated = |shared: &bool| {
-        let full = fitted(family, *shared, sample, None);
-        let validation = validate(sample, |rest| fitted(family, *shared, rest, Some(&full)).curves);
+        let full = fit(family, *shared, sample, None);
+        let validation = validate(sample, |rest| fit(family, *shared, rest, Some(&full)).curves);
         (full, validation)
     };
     let fits: Vec<(Fit, Validation)> = variants.iter().map(validated).collect();
     let best = simplest_of_the_best(&fits.iter().map(|(_, validation)| validation).collect::<Vec<_>>());
     let (fit, validation) = &fits[best];
     let square = if family == Family::Table { mean(&validation.squares) / TABLE_SQUARE } else { fit.variance };
-    let channels = sample.channels.iter().zip(&fit.curves).zip(&fit.gamma_se);
+    let channels = sample.channels.iter().zip(&fit.curves);
     FittedModel {
         family,
-        channels: channels.map(|((channel, curve), se)| fitted_channel(sample, *channel, curve, *se)).collect(),
+        channels: channels.map(|(channel, curve)| fitted_channel(sample, *channel, curve)).collect(),
         validation: validation.clone(),
         misfit: ASSUMED_NOISE * square.sqrt(),
     }
-}
-
-fn fitted(family: Family, shared: bool, sample: &Sample, start: Option<&Fit>) -> Fit {
-    let mut fit = fit(family, shared, sample, start);
-    if family == Family::Table {
-        fit.curves = tables(sample, &fit.curves, shared);
-        fit.gamma_se.fill(None);
-    }
-    fit
 }
 
 /// Leaves out one level at a time, or several if there are very many, and predicts it; `fitted_to` fits the model to
@@ -233,14 +218,13 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-fn fitted_channel(sample: &Sample, channel: Channel, curve: &Curve, gamma_se: Option<f64>) -> FittedChannel {
+fn fitted_channel(sample: &Sample, channel: Channel, curve: &Curve) -> FittedChannel {
     let read = || sample.points.iter().filter(|point| point.channel == channel);
     let mean = read().map(|point| point.y).sum::<f64>() / read().count() as f64;
     let square = |of: &dyn Fn(f64, f64) -> f64| read().map(|point| of(point.v, point.y).powi(2)).sum::<f64>();
     let codes = read().map(|point| 255.0 * (curve.encoded(point.y) - point.v).abs());
     FittedChannel {
         channel,
-        gamma_se,
         r_squared: 1.0 - square(&|v, y| y - curve.cd_m2(v)) / square(&|_, y| y - mean),
         largest_codes: codes.fold(0.0, f64::max),
         curve: curve.clone(),
@@ -269,7 +253,8 @@ fn notes(calibration: &Calibration) -> Vec<String> {
     if calibration.chosen == Family::Table {
         notes.push("no curve fits the readings within their noise, so the table is used".to_owned());
     }
-    let errors = calibration.model(calibration.chosen).channels.iter().filter_map(|channel| channel.gamma_se);
+    let chosen = calibration.model(calibration.chosen);
+    let errors = chosen.channels.iter().filter_map(|channel| channel.curve.gamma_se);
     let largest = errors.fold(0.0, f64::max);
     if largest > UNCERTAIN_GAMMA {
         notes.push(format!(
@@ -277,10 +262,10 @@ fn notes(calibration: &Calibration) -> Vec<String> {
             Z_95 * largest
         ));
     }
-    if calibration.misfit > UNSTEADY {
+    if chosen.misfit > UNSTEADY {
         notes.push(format!(
             "readings differ from the chosen model by {:.1} %: use a steadier photometer, or take several readings per level",
-            100.0 * calibration.misfit
+            100.0 * chosen.misfit
         ));
     }
     notes

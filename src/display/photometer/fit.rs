@@ -73,6 +73,8 @@ pub struct Curve {
     pub range_cd_m2: f64,
     /// The shape of the curve between the two.
     pub transfer: Transfer,
+    /// Standard error of γ, if the curve has one and the noise is as large as the residuals of the fit.
+    pub gamma_se: Option<f64>,
 }
 
 impl Curve {
@@ -193,22 +195,29 @@ impl Sample {
 pub(super) struct Fit {
     /// The curves, in the order of the sample's channels.
     pub curves: Vec<Curve>,
-    /// Standard error of each channel's γ, if the noise is as large as the residuals of the fit.
-    pub gamma_se: Vec<Option<f64>>,
     /// Weighted residual sum of squares, divided by the degrees of freedom.
     pub variance: f64,
     /// γ and offset of each shape.
     shapes: Vec<[f64; 2]>,
 }
 
-/// Fits the curves: one shape and one black for all channels if `shared`, otherwise a separate shape and black for each
-/// channel. Starts from another fit of the same model, if given.
+/// Fits a model: curves or, if it is a table, tables made from them. Starts from another fit of the same model, if given.
 pub(super) fn fit(family: Family, shared: bool, sample: &Sample, start: Option<&Fit>) -> Fit {
+    let mut fit = fit_curves(family, shared, sample, start);
+    if family == Family::Table {
+        fit.curves = tables(sample, &fit.curves, shared);
+    }
+    fit
+}
+
+/// Fits the curves: one shape and one black for all channels if `shared`, otherwise a separate shape and black for each
+/// channel.
+fn fit_curves(family: Family, shared: bool, sample: &Sample, start: Option<&Fit>) -> Fit {
     let best = |sample: &Sample, starts: &[[f64; 2]]| {
         let fits = starts.iter().map(|start| descend(family, sample, *start));
         fits.reduce(|a, b| if b.variance < a.variance { b } else { a })
     };
-    let mut all = Fit { curves: Vec::new(), gamma_se: Vec::new(), variance: 0.0, shapes: Vec::new() };
+    let mut all = Fit { curves: Vec::new(), variance: 0.0, shapes: Vec::new() };
     if shared || sample.channels.len() == 1 {
         return best(sample, start.map_or(&STARTS[..], |fit| &fit.shapes)).unwrap_or(all);
     }
@@ -216,7 +225,6 @@ pub(super) fn fit(family: Family, shared: bool, sample: &Sample, start: Option<&
         let starts = start.map_or(&STARTS[..], |fit| &fit.shapes[index..=index]);
         let Some(own) = best(&sample.of(*channel), starts) else { continue };
         all.curves.extend(own.curves);
-        all.gamma_se.extend(own.gamma_se);
         all.shapes.extend(own.shapes);
         all.variance += own.variance / sample.channels.len() as f64;
     }
@@ -236,7 +244,7 @@ fn curves(transfer: &Transfer, sample: &Sample) -> Vec<Curve> {
     let under: f64 = sums.iter().map(|[n, _, t, tt, _]| n - t * t / tt).sum();
     let black_cd_m2 = (over / under).max(0.0);
     let range = |[_, _, t, tt, ty]: &[f64; 5]| ((ty - black_cd_m2 * t) / tt).max(f64::MIN_POSITIVE);
-    let curve = |sums| Curve { black_cd_m2, range_cd_m2: range(sums), transfer: transfer.clone() };
+    let curve = |sums| Curve { black_cd_m2, range_cd_m2: range(sums), transfer: transfer.clone(), gamma_se: None };
     sums.iter().map(curve).collect()
 }
 
@@ -288,9 +296,9 @@ fn descend(family: Family, sample: &Sample, start: [f64; 2]) -> Fit {
     let parameters = free + sample.channels.len() + 1;
     let variance = dot(&left, &left) / (left.len() as f64 - parameters as f64).max(1.0);
     let gamma_se = normal.try_inverse().filter(|_| free > 0).map(|inverse| (variance * inverse[(0, 0)]).sqrt());
-    let curves = curves(&family.transfer(shape.into()), sample);
-    let gamma_se = vec![gamma_se.filter(|se| se.is_finite()); curves.len()];
-    Fit { gamma_se, curves, variance, shapes: vec![shape.into()] }
+    let mut curves = curves(&family.transfer(shape.into()), sample);
+    curves.iter_mut().for_each(|curve| curve.gamma_se = gamma_se.filter(|se| se.is_finite()));
+    Fit { curves, variance, shapes: vec![shape.into()] }
 }
 
 /// Points of a table: one per 8-bit code.
@@ -310,14 +318,15 @@ struct Knot {
 
 /// Makes the tables of the sample's channels from the curves of a fit. The tables pass through the black and the white
 /// that were read; in between, all channels have the same table if `shared`.
-pub(super) fn tables(sample: &Sample, curves: &[Curve], shared: bool) -> Vec<Curve> {
+fn tables(sample: &Sample, curves: &[Curve], shared: bool) -> Vec<Curve> {
     let levels = sample.inner_levels();
     let mut ends = Vec::new();
     let mut knots: Vec<Vec<Knot>> = Vec::new();
     for (channel, curve) in sample.channels.iter().zip(curves) {
         let black_cd_m2 = sample.mean(*channel, 0.0).map_or(curve.black_cd_m2, |(black, _)| black);
         let white_cd_m2 = sample.mean(*channel, 1.0).map_or_else(|| curve.cd_m2(1.0), |(white, _)| white);
-        let curve = Curve { black_cd_m2, range_cd_m2: white_cd_m2 - black_cd_m2, transfer: curve.transfer.clone() };
+        let (range_cd_m2, transfer) = (white_cd_m2 - black_cd_m2, curve.transfer.clone());
+        let curve = Curve { black_cd_m2, range_cd_m2, transfer, gamma_se: None };
         let knot = |v: &f64| {
             let (y, sd) = sample.mean(*channel, *v)?;
             let spread = 0.5 * (curve.encoded(y + sd) - curve.encoded(y - sd));

@@ -15,6 +15,5 @@ mod readings;
 pub use calibration::{Calibration, FittedChannel, FittedModel, Validation};
 pub use fit::{Curve, Family};
 pub use readings::{
-    ErrorLocation, LevelMean, MIN_LEVELS, Patch, Reading, Readings, ReadingsError, additivity, drift_percent,
-    is_same_level, largest_percent, patches,
+    MIN_LEVELS, Patch, Reading, Readings, additivity, drift_percent, is_same_level, largest_percent, patches,
 };

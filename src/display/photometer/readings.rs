@@ -19,13 +19,23 @@ pub struct Reading {
     pub luminance_cd_m2: f64,
 }
 
-/// The readings of one channel at one level.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LevelMean {
-    /// Encoded value, 0…1.
-    pub level: f64,
-    /// Mean of the readings, cd/m².
-    pub luminance_cd_m2: f64,
+impl Reading {
+    /// Checks that a screen can give this reading.
+    ///
+    /// # Errors
+    /// Returns the field that is wrong, and what is wrong with it.
+    pub fn check(&self) -> Result<(), (&'static str, String)> {
+        let (level, light, [_, brightest]) = (self.level, self.luminance_cd_m2, LuminanceRange::WHITE_CD_M2);
+        if !(0.0..=1.0).contains(&level) {
+            let expected = "expected the code divided by the largest code";
+            return Err(("level", format!("level {level} is outside 0…1; {expected}")));
+        }
+        if !(0.0..=brightest).contains(&light) {
+            let expected = format!("expected cd/m², 0 to {brightest}");
+            return Err(("luminance_cd_m2", format!("luminance {light} is not that of a screen; {expected}")));
+        }
+        Ok(())
+    }
 }
 
 /// Levels closer than this are the same patch, entered twice.
@@ -61,7 +71,7 @@ impl Readings {
     }
 
     /// The mean at each level of a channel, from dark to light.
-    pub fn means(&self, channel: Channel) -> Vec<LevelMean> {
+    pub fn means(&self, channel: Channel) -> Vec<Reading> {
         means(self.all.iter().filter(|one| one.channel == channel))
     }
 
@@ -85,13 +95,13 @@ impl Readings {
 }
 
 /// Returns the mean at each level, from dark to light; the readings may be in any order.
-fn means<'a>(readings: impl Iterator<Item = &'a Reading>) -> Vec<LevelMean> {
+fn means<'a>(readings: impl Iterator<Item = &'a Reading>) -> Vec<Reading> {
     let mut sorted: Vec<&Reading> = readings.collect();
     sorted.sort_by(|a, b| a.level.total_cmp(&b.level));
     let same = sorted.chunk_by(|a, b| is_same_level(a.level, b.level));
     same.map(|level| {
         let sum: f64 = level.iter().map(|one| one.luminance_cd_m2).sum();
-        LevelMean { level: level[0].level, luminance_cd_m2: sum / level.len() as f64 }
+        Reading { luminance_cd_m2: sum / level.len() as f64, ..*level[0] }
     })
     .collect()
 }
@@ -99,13 +109,19 @@ fn means<'a>(readings: impl Iterator<Item = &'a Reading>) -> Vec<LevelMean> {
 /// The number of patches between two readings of white, which reveal drift.
 const BETWEEN_WHITES: usize = 16;
 
+/// A patch that the screen shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Patch {
     /// The lit channel, or all three for gray.
     pub channel: Channel,
     pub code: u8,
-    /// The encoded value, 0…1: the code divided by the largest code.
-    pub level: f64,
+}
+
+impl Patch {
+    /// Returns the reading of this patch.
+    pub fn reading(self, luminance_cd_m2: f64) -> Reading {
+        Reading { channel: self.channel, level: f64::from(self.code) / 255.0, luminance_cd_m2 }
+    }
 }
 
 /// Returns the patches in the order of measurement, which is always the same: every channel at `levels` levels, 2 to 256,
@@ -119,10 +135,8 @@ pub struct Patch {
 /// Returns an error if a profile cannot be made with these settings.
 pub fn patches(channels: &[Channel], levels: usize, repeats: usize) -> Result<Vec<Patch>, String> {
     Channel::check_for_profile(channels)?;
-    let patch = |channel: Channel, step: usize| {
-        let code = (255.0 * step as f64 / (levels - 1) as f64).round();
-        Patch { channel, code: code as u8, level: code / 255.0 }
-    };
+    let code = |step: usize| (255.0 * step as f64 / (levels - 1) as f64).round() as u8;
+    let patch = |channel: Channel, step: usize| Patch { channel, code: code(step) };
     let white_channel = if channels.contains(&Channel::Gray) { Channel::Gray } else { Channel::Green };
     let white = patch(white_channel, levels - 1);
     let mut rng = ChaCha8Rng::seed_from_u64(1);
@@ -151,36 +165,17 @@ const STOPPED: (f64, f64) = (0.35, 0.05);
 /// The ratio by which the channel that should be dimmer must be brighter to indicate swapped channels.
 const SWAPPED: f64 = 1.05;
 
-/// The readings to which an error refers.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ErrorLocation {
-    /// The level of one reading, by its index.
-    Level(usize),
-    /// The luminance of one reading, by its index.
-    Luminance(usize),
-    /// All readings.
-    All,
-}
-
-/// Why a profile cannot be made from the readings: where the error is, and what it is and what is expected instead.
-pub type ReadingsError = (ErrorLocation, String);
-
 impl Readings {
     /// Checks readings, given in the order in which they were taken.
     ///
     /// # Errors
-    /// Returns all errors in single readings. If there are none, returns all errors from the first check of the whole
-    /// set that fails.
-    pub fn new(readings: Vec<Reading>) -> Result<Self, Vec<ReadingsError>> {
-        let mut errors = reading_errors(&readings);
+    /// Returns all errors from the first check that fails: why a profile cannot be made, and what is expected.
+    pub fn new(readings: Vec<Reading>) -> Result<Self, Vec<String>> {
         let readings = Self::unchecked(readings);
         // Each check relies on the previous one.
-        for check in [set_errors, curve_errors, order_errors] {
-            if errors.is_empty() {
-                errors = check(&readings);
-            }
-        }
-        if errors.is_empty() { Ok(readings) } else { Err(errors) }
+        let checks = [reading_errors, set_errors, curve_errors, order_errors];
+        let errors = checks.iter().map(|check| check(&readings)).find(|errors| !errors.is_empty());
+        errors.map_or(Ok(readings), Err)
     }
 
     /// Says for each channel how far the light rises at the top, where it rises too little for a screen.
@@ -198,35 +193,25 @@ impl Readings {
     }
 }
 
-/// Returns the errors in single readings.
-fn reading_errors(readings: &[Reading]) -> Vec<ReadingsError> {
-    let [darkest, brightest] = LuminanceRange::WHITE_CD_M2;
-    let mut errors = Vec::new();
-    for (index, Reading { level, luminance_cd_m2: light, .. }) in readings.iter().enumerate() {
-        if !(0.0..=1.0).contains(level) {
-            let message = format!("level {level} is outside 0…1; expected the code divided by the largest code");
-            errors.push((ErrorLocation::Level(index), message));
-        }
-        if !(0.0..=brightest).contains(light) {
-            let message = format!("luminance {light} is not that of a screen; expected cd/m², 0 to {brightest}");
-            errors.push((ErrorLocation::Luminance(index), message));
-        }
-    }
-    if readings.is_empty() {
-        let message =
-            format!("there are no readings; expected red, green and blue, or gray, at {MIN_LEVELS} levels or more");
-        errors.push((ErrorLocation::All, message));
-    } else if readings.iter().all(|one| one.luminance_cd_m2 < darkest) {
-        let message = format!(
+/// Returns the errors in single readings, or an error if there is no light.
+fn reading_errors(readings: &Readings) -> Vec<String> {
+    let [darkest, _] = LuminanceRange::WHITE_CD_M2;
+    let wrong = readings.all().iter().filter_map(|one| one.check().err());
+    let mut errors: Vec<String> = wrong.map(|(_, message)| message).collect();
+    if readings.all().is_empty() {
+        errors.push(format!(
+            "there are no readings; expected red, green and blue, or gray, at {MIN_LEVELS} levels or more"
+        ));
+    } else if readings.all().iter().all(|one| one.luminance_cd_m2 < darkest) {
+        errors.push(format!(
             "every reading is below {darkest} cd/m²; expected light: is the photometer on the screen, and is its cap off?"
-        );
-        errors.push((ErrorLocation::All, message));
+        ));
     }
     errors
 }
 
 /// Returns an error for each missing channel or level.
-fn set_errors(readings: &Readings) -> Vec<ReadingsError> {
+fn set_errors(readings: &Readings) -> Vec<String> {
     let expected = "expected red, green and blue, or gray, each from level 0 to 1";
     let read = readings.channels();
     let mut messages = Vec::new();
@@ -245,18 +230,18 @@ fn set_errors(readings: &Readings) -> Vec<ReadingsError> {
                 means.len()
             ));
         }
-        if let Some(LevelMean { level, .. }) = means.last().filter(|last| last.level != 1.0) {
+        if let Some(Reading { level, .. }) = means.last().filter(|last| last.level != 1.0) {
             messages.push(format!(
                 "{channel}: no reading at level 1 (the highest is {level}); expected the maximum luminance of the \
                     channel"
             ));
         }
     }
-    messages.into_iter().map(|message| (ErrorLocation::All, message)).collect()
+    messages
 }
 
 /// Returns an error for each channel whose light falls, or does not rise at all.
-fn curve_errors(readings: &Readings) -> Vec<ReadingsError> {
+fn curve_errors(readings: &Readings) -> Vec<String> {
     let black_cd_m2 = readings.black_cd_m2();
     let (share, steps, of_largest) = NOISE_FALL;
     let still = steps * readings.resolution_cd_m2() + of_largest * readings.largest_cd_m2();
@@ -265,27 +250,25 @@ fn curve_errors(readings: &Readings) -> Vec<ReadingsError> {
         let means = readings.means(*channel);
         let white_cd_m2 = means.last().map_or(0.0, |white| white.luminance_cd_m2);
         if white_cd_m2 <= black_cd_m2 * (1.0 + share) + still {
-            let message = format!(
+            errors.push(format!(
                 "{channel}: level 1 gives {white_cd_m2} cd/m², no more than black ({black_cd_m2} cd/m²); expected light"
-            );
-            errors.push((ErrorLocation::All, message));
+            ));
             continue;
         }
-        let falls = |pair: &&[LevelMean]| pair[1].luminance_cd_m2 < pair[0].luminance_cd_m2 * (1.0 - share) - still;
+        let falls = |pair: &&[Reading]| pair[1].luminance_cd_m2 < pair[0].luminance_cd_m2 * (1.0 - share) - still;
         for pair in means.windows(2).filter(falls) {
             let [(lower, lower_cd_m2), (upper, upper_cd_m2)] =
                 [pair[0], pair[1]].map(|at| (at.level, at.luminance_cd_m2));
-            let message = format!(
+            errors.push(format!(
                 "{channel}: not monotone: level {upper} gives {upper_cd_m2} cd/m², less than the {lower_cd_m2} cd/m² of level {lower}; expected more light at every higher level: measure both again"
-            );
-            errors.push((ErrorLocation::All, message));
+            ));
         }
     }
     errors
 }
 
 /// Returns an error if the channels' luminances at level 1 are not in the order gray > green > red > blue.
-fn order_errors(readings: &Readings) -> Vec<ReadingsError> {
+fn order_errors(readings: &Readings) -> Vec<String> {
     let falling = [Channel::Gray, Channel::Green, Channel::Red, Channel::Blue];
     let whites: Vec<(Channel, f64)> = (falling.into_iter())
         .filter_map(|channel| Some((channel, readings.means(channel).last()?.luminance_cd_m2)))
@@ -294,11 +277,10 @@ fn order_errors(readings: &Readings) -> Vec<ReadingsError> {
         return Vec::new();
     }
     let each: Vec<String> = whites.iter().map(|(channel, light)| format!("{channel} {light}")).collect();
-    let message = format!(
+    vec![format!(
         "swapped channels: level 1 gives {} cd/m²; expected more light from gray than from green, from green than from red, and from red than from blue, as on every screen",
         each.join(", ")
-    );
-    vec![(ErrorLocation::All, message)]
+    )]
 }
 
 /// Returns the difference of gray from red + green + blue − 2·black, in percent of gray, at every level above 0 at which all
@@ -307,8 +289,8 @@ pub fn additivity(readings: &Readings) -> Vec<f64> {
     let [red, green, blue, gray] =
         [Channel::Red, Channel::Green, Channel::Blue, Channel::Gray].map(|channel| readings.means(channel));
     let black = readings.black_cd_m2();
-    let percent = |gray: &LevelMean| {
-        let at = |means: &[LevelMean]| {
+    let percent = |gray: &Reading| {
+        let at = |means: &[Reading]| {
             means.iter().find(|mean| is_same_level(mean.level, gray.level)).map(|mean| mean.luminance_cd_m2)
         };
         let sum_cd_m2 = at(&red)? + at(&green)? + at(&blue)? - 2.0 * black;

@@ -23,9 +23,9 @@ use crate::{
 /// Number of line segments in a curve.
 const STEPS: usize = 128;
 
-/// Draws `calibration`: readings, and the curves of a model.
-pub fn calibration(calibration: &Calibration, family: Family) -> Figure {
-    let model = calibration.model(family);
+/// Draws `calibration`: readings, and the curves of the chosen model.
+pub fn calibration(calibration: &Calibration) -> Figure {
+    let (family, model) = (calibration.chosen, calibration.model(calibration.chosen));
     let caption = format!(
         "Luminance by encoded value, with {} readings as markers and the chosen model ({family}) as lines.",
         calibration.readings.all().len(),
@@ -56,7 +56,7 @@ pub fn calibration_tables(calibration: &Calibration) -> [TextTable; 2] {
         .text("model", |(family, _)| family.name())
         .text("channel", |(_, own)| own.channel.name())
         .number("gamma", |(_, own)| {
-            let (gamma, se) = (fixed(own.curve.gamma(), 4), own.gamma_se);
+            let (gamma, se) = (fixed(own.curve.gamma(), 4), own.curve.gamma_se);
             let se = se.map_or_else(String::new, |se| format!(" ± {se:.4}"));
             Shown::new(gamma.value().clone(), format!("{gamma}{se}"))
         })

@@ -71,10 +71,8 @@ pub(super) fn header(columns: &[Column]) -> Vec<u8> {
 /// Reports every row that cannot be parsed, with its line and column, and a header that is not the expected one.
 pub fn parse(file: &str, content: &[u8], columns: &[Column]) -> Result<Vec<TrialRecord>, FileErrors> {
     let header = |names: &[&str]| exactly(names, columns.iter().map(|column| column.name.as_str()));
-    let ((), rows, errors) =
-        table::parse(file, content, b',', header, |(), cells, _| TrialRecord::from_cells(cells, columns))?;
-    FileErrors::none(errors)?;
-    Ok(rows)
+    let row = |(): &(), cells: &[&str]| TrialRecord::from_cells(cells, columns);
+    Ok(table::parse(file, content, b',', header, row)?.1)
 }
 
 /// The header row of a frames file.
