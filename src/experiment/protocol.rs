@@ -192,23 +192,23 @@ impl Definition {
         }
         let conditions = self.check_factors(errors);
         self.check_design(errors);
-        errors.check_range("recovery.duration_s", self.recovery.duration_s, 0.0, 600.0, "seconds");
-        errors.check_range("recovery.level", self.recovery.level, 0.0, 1.0, "the relative luminance of the field");
-        if let Some(presentation) = &self.presentation {
-            let meaning = "seconds; without [presentation] the stimulus stays until it is rated";
-            errors.check_range("presentation.duration_s", presentation.duration_s, 0.001, 600.0, meaning);
+        let presentation = self.presentation.map(|presentation| presentation.duration_s);
+        let until_rated = "seconds; without [presentation] the stimulus stays until it is rated";
+        for (path, value, [low, high], meaning) in [
+            ("recovery.duration_s", Some(self.recovery.duration_s), [0.0, 600.0], "seconds"),
+            ("recovery.level", Some(self.recovery.level), [0.0, 1.0], "the relative luminance of the field"),
+            ("presentation.duration_s", presentation, [0.001, 600.0], until_rated),
+            ("viewing.distance_cm", Some(self.viewing.distance_cm), [1.0, 10_000.0], "cm from eye to screen"),
+            ("viewing.window_deg", Some(self.viewing.window_deg), [0.01, 170.0], "degrees of visual angle"),
+            ("session.refresh_after_h", self.session.refresh_after_h, [0.0, 8760.0], "hours"),
+            ("plan.participants", self.plan.participants.map(f64::from), [1.0, 9999.0], "the number of participants"),
+            ("plan.sessions", Some(self.plan.sessions.into()), [1.0, 99.0], "the sessions of each participant"),
+        ] {
+            value.into_iter().for_each(|value| errors.check_range(path, value, low, high, meaning));
         }
-        errors.check_range("viewing.distance_cm", self.viewing.distance_cm, 1.0, 10_000.0, "cm from eye to screen");
-        errors.check_range("viewing.window_deg", self.viewing.window_deg, 0.01, 170.0, "degrees of visual angle");
-        if let Some(hours) = self.session.refresh_after_h {
-            errors.check_range("session.refresh_after_h", hours, 0.0, 8760.0, "hours");
-        }
-        let participants = f64::from(self.plan.participants.unwrap_or(1));
-        errors.check_range("plan.participants", participants, 1.0, 9999.0, "the number of participants");
-        errors.check_range("plan.sessions", self.plan.sessions.into(), 1.0, 99.0, "the sessions of each participant");
         self.check_response(errors);
         self.check_task(errors);
-        self.participant.0.iter().for_each(|field| field.check(errors));
+        self.participant.iter().for_each(|field| field.check(errors));
         errors.0.extend(self.script_errors());
         conditions
     }
