@@ -31,18 +31,20 @@ macro_rules! stimuli {
         }
 
         static ENTRIES: [Entry; KINDS.len()] =
-            [$(Entry { kind: $name::KIND, title: $title, about: $about, has_bands: $has_bands },)*];
+            [$(Entry {
+                kind: $name::KIND,
+                title: $title,
+                about: $about,
+                has_bands: $has_bands,
+                parameters: $name::PARAMETERS,
+                default: || $name::default().into(),
+            },)*];
 
         $(impl From<$name> for Stimulus {
             fn from(stimulus: $name) -> Self {
                 Self::$name(stimulus)
             }
         })*
-
-        /// True if some kind of stimulus has a parameter with exactly this name that is a direction.
-        pub fn is_direction(name: &str) -> bool {
-            [$($name::PARAMETERS,)*].concat().iter().any(|parameter| parameter.name == name && parameter.is_direction)
-        }
 
         impl Stimulus {
             /// Returns the name of this kind, one of [`KINDS`].
@@ -51,15 +53,6 @@ macro_rules! stimuli {
                     $(Self::$name(_) => $name::KIND,)*
                     Self::Image(_) => Picture::KIND,
                 }
-            }
-
-            /// Returns the stimulus of the kind `kind` with every parameter at its default, or `None` if there is no
-            /// such kind.
-            pub fn default_of(kind: &str) -> Option<Stimulus> {
-                $(if kind == $name::KIND {
-                    return Some(Self::$name($name::default()));
-                })*
-                None
             }
 
             /// Returns every parameter that can be set, in the order in which files list them.
@@ -170,6 +163,11 @@ impl Stimulus {
         }
     }
 
+    /// Returns the stimulus of the kind `kind` with every parameter at its default, or `None` if there is no such kind.
+    pub fn default_of(kind: &str) -> Option<Stimulus> {
+        entry(kind).map(Entry::default_stimulus)
+    }
+
     /// Makes a stimulus of the kind `kind` from some of its parameters; the others have their defaults.
     ///
     /// # Errors
@@ -253,13 +251,21 @@ pub struct Entry {
     pub about: &'static str,
     /// Whether this kind can have Mach bands, which arise where a ramp of luminance begins or ends.
     pub has_bands: bool,
+    /// Every parameter, in the order in which files list them.
+    pub parameters: &'static [Parameter],
+    default: fn() -> Stimulus,
 }
 
 impl Entry {
     /// Returns the stimulus with all parameters at their defaults.
     pub fn default_stimulus(&self) -> Stimulus {
-        Stimulus::default_of(self.kind).unwrap_or(MachBand::default().into())
+        (self.default)()
     }
+}
+
+/// True if some kind of stimulus has a parameter with exactly this name that is a direction.
+pub fn is_direction(name: &str) -> bool {
+    ENTRIES.iter().flat_map(|entry| entry.parameters).any(|parameter| parameter.name == name && parameter.is_direction)
 }
 
 /// Returns every entry, in a good order for a first tour.
