@@ -55,7 +55,7 @@ impl Studies {
                         ui::hint(ui, "Not begun.");
                         return;
                     };
-                    let (icon, color, told) = grid::told(session, &self.found.wrong, ink(ui));
+                    let (icon, color, told) = grid::told(session, &self.found.1.wrong, ink(ui));
                     icon.show(ui, color);
                     // An unreadable session has no date.
                     let day = session.started_at.get(..10).map(|day| format!(" (last used on {day})"));
@@ -120,11 +120,11 @@ impl Studies {
                 }
             }
         });
-        let found = Some(self.found.clone()).filter(|found| found.folder == self.folder());
+        let found = Some(&self.found).filter(|(folder, _)| *folder == self.folder()).map(|(_, found)| found);
         card(ui, &mut |ui| {
             ui.horizontal(|ui| {
                 ui.label(RichText::new("Check").strong().size(SECTION));
-                let Some(found) = &found else { return };
+                let Some(found) = found else { return };
                 ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                     let (text, color, icon) = match found.errors.len() as u64 {
                         0 => ("no errors".to_owned(), ink(ui).good, Icon::Check),
@@ -134,14 +134,14 @@ impl Studies {
                     icon.show(ui, color);
                 });
             });
-            match &found {
+            match found {
                 None => ui::hint(ui, "Check renders every picture again and compares every row with the seed."),
                 Some(found) if found.errors.is_empty() => {
-                    let sessions = count(found.sessions as u64, "session");
+                    let sessions = count(found.files.len() as u64, "session");
                     ui::hint(ui, format!("{sessions}: every row follows from its seed, and no file was changed."));
                 }
                 Some(found) => {
-                    found.errors.iter().take(3).for_each(|error| ui::show_error(ui, error));
+                    found.errors.iter().take(3).for_each(|error| ui::show_error(ui, error.to_string()));
                     if found.errors.len() > 3 {
                         ui::hint(ui, format!("and {} more", found.errors.len() - 3));
                     }

@@ -1,7 +1,6 @@
 //! What takes time and has a result of its own: a check of the recorded files, a simulated pilot, an export.
 
 use std::{
-    collections::BTreeSet,
     path::{Path, PathBuf},
     sync::{
         Arc, Mutex, PoisonError,
@@ -21,8 +20,8 @@ use crate::{
     experiment::Protocol,
     report::document::numbers::count,
     work::{
-        Export, Watcher,
-        plan::{Found, Plan, Precision},
+        Export, Found, Watcher,
+        plan::{self, Plan, Precision},
         simulate::{Simulate, simulate},
         verify::Verify,
     },
@@ -36,9 +35,9 @@ pub const DEVIATIONS: &str = "People differ by";
 const STOPPED: &str = "stopped";
 
 /// What a job made.
-#[derive(Clone, Debug)]
 pub enum Made {
-    Checked(Checked),
+    /// What a check found in a folder.
+    Checked(PathBuf, Found),
     /// The folder of a simulated study.
     Pilot(PathBuf),
     /// A message: what was exported, or that the user stopped it.
@@ -48,13 +47,13 @@ pub enum Made {
 }
 
 /// Returns what a plan found, in sentences.
-fn planned(found: &Found) -> Vec<String> {
+fn planned(found: &plan::Found) -> Vec<String> {
     let planned = match found {
-        Found::Ratings(planned) => {
+        plan::Found::Ratings(planned) => {
             let fields = [EFFECTS, DEVIATIONS].map(|label| format!("“{label}”"));
             return planned.sentences(fields.each_ref().map(String::as_str));
         }
-        Found::Task(planned) => planned,
+        plan::Found::Task(planned) => planned,
     };
     let line = |one: &Precision| {
         let people = count(one.participants.into(), "participant");
@@ -73,19 +72,6 @@ fn planned(found: &Found) -> Vec<String> {
         planned.unit()
     );
     planned.found.iter().map(line).chain([unit]).collect()
-}
-
-/// What a check found.
-#[derive(Clone, Debug, Default)]
-pub struct Checked {
-    /// The data set.
-    pub folder: PathBuf,
-    /// Number of sessions.
-    pub sessions: usize,
-    /// Every error.
-    pub errors: Vec<String>,
-    /// The data files with errors.
-    pub wrong: BTreeSet<PathBuf>,
 }
 
 /// How far a job is, and whether it should end.
@@ -145,9 +131,8 @@ impl Job {
     /// Checks the files of a study.
     pub fn check(ctx: &Context, folder: PathBuf) -> Self {
         Self::start(ctx, "Checking", true, move |watcher| {
-            let verified = Verify { folder: folder.clone() }.verify(watcher)?;
-            let errors = verified.errors.iter().map(ToString::to_string).collect();
-            Ok(Made::Checked(Checked { folder, sessions: verified.files.len(), errors, wrong: verified.wrong }))
+            let found = Verify { folder: folder.clone() }.verify(watcher)?;
+            Ok(Made::Checked(folder, found))
         })
     }
 

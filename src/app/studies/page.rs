@@ -11,7 +11,7 @@ use eframe::egui::{self, Align, CentralPanel, Frame, Layout, Panel, Rect, RichTe
 use super::{
     form::{self, Checked, SessionForm},
     grid::{Action, Cell, Grid, Sessions},
-    jobs::{Checked as FilesChecked, Job, Made},
+    jobs::{Job, Made},
     list::StudyList,
     request_form::RequestForm,
 };
@@ -31,7 +31,7 @@ use crate::{
         session::overview::SessionState,
         settings::{Settings, remember},
     },
-    work::RequestError,
+    work::{Found, RequestError},
 };
 
 /// Width of the list of studies, and of the column of cards, points: in a wide window, and in a narrower one.
@@ -93,8 +93,8 @@ pub struct Studies {
     pub(super) job: Option<Job>,
     /// The dialog that started the job.
     asked: Option<Box<RequestForm>>,
-    /// What the last check found.
-    pub(super) found: FilesChecked,
+    /// What the last check found, and in which folder.
+    pub(super) found: (PathBuf, Found),
     /// Why the last session that was chosen could not be resumed.
     pub(super) error: Option<String>,
     pub(super) started: bool,
@@ -243,7 +243,7 @@ impl Studies {
         let new = Cell::first(&self.suggested);
         let selected = self.selected.clone().unwrap_or_else(|| new.clone());
         next = self.detail(ui, &selected, now).or(next);
-        let grid = Grid::new(self.sessions.of(&protocol.name), protocol.plan, new, &self.found.wrong);
+        let grid = Grid::new(self.sessions.of(&protocol.name), protocol.plan, new, &self.found.1.wrong);
         let chosen = grid.show(ui, &selected, self.open.is_none());
         if let Some((cell, action)) = chosen {
             match action {
@@ -353,14 +353,14 @@ impl Studies {
                     ui::complain(ctx, told);
                 }
             }
-            Ok(Made::Checked(found)) => {
-                let sessions = count(found.sessions as u64, "session");
-                found.errors.iter().rev().for_each(|error| ui::complain(ctx, error));
+            Ok(Made::Checked(folder, found)) => {
+                let sessions = count(found.files.len() as u64, "session");
+                found.errors.iter().rev().for_each(|error| ui::complain(ctx, error.to_string()));
                 match found.errors.len() as u64 {
                     0 => ui::say(ctx, format!("{sessions} checked; no errors")),
                     n => ui::complain(ctx, format!("{sessions} checked; {}", count(n, "error"))),
                 }
-                self.found = found;
+                self.found = (folder, found);
             }
             Ok(Made::Planned(planned)) => self.open = Some(Open::Planned(planned)),
             Ok(Made::Told(text)) => ui::say(ctx, text),
