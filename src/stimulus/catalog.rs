@@ -55,14 +55,6 @@ macro_rules! stimuli {
                 }
             }
 
-            /// Returns every parameter that can be set, in the order in which files list them.
-            pub fn parameters(&self) -> &'static [Parameter] {
-                match self {
-                    $(Self::$name(_) => $name::PARAMETERS,)*
-                    Self::Image(_) => Picture::PARAMETERS,
-                }
-            }
-
             /// Sets the parameter `name`. This checks only the range of the parameter itself; [`Stimulus::validate`]
             /// checks the parameters against each other.
             ///
@@ -163,11 +155,6 @@ impl Stimulus {
         }
     }
 
-    /// Returns the stimulus of the kind `kind` with every parameter at its default, or `None` if there is no such kind.
-    pub fn default_of(kind: &str) -> Option<Stimulus> {
-        entry(kind).map(Entry::default_stimulus)
-    }
-
     /// Makes a stimulus of the kind `kind` from some of its parameters; the others have their defaults.
     ///
     /// # Errors
@@ -238,6 +225,16 @@ impl Stimulus {
         };
         (1..3).fold(0, |best, channel| if weights[channel] > weights[best] { channel } else { best })
     }
+
+    /// Returns every parameter that can be set, in the order in which files list them.
+    pub fn parameters(&self) -> &'static [Parameter] {
+        parameters(self.kind())
+    }
+
+    /// Returns the stimulus of the kind `kind` with every parameter at its default, or `None` if there is no such kind.
+    pub fn default_of(kind: &str) -> Option<Stimulus> {
+        entry(kind).map(Entry::default_stimulus)
+    }
 }
 
 /// A stimulus as the catalog lists it.
@@ -261,6 +258,11 @@ impl Entry {
     pub fn default_stimulus(&self) -> Stimulus {
         (self.default)()
     }
+}
+
+/// Returns the parameters of the kind `kind`, in the order in which files list them; none if there is no such kind.
+pub fn parameters(kind: &str) -> &'static [Parameter] {
+    if kind == Picture::KIND { Picture::PARAMETERS } else { entry(kind).map_or(&[], |entry| entry.parameters) }
 }
 
 /// True if some kind of stimulus has a parameter with exactly this name that is a direction.
