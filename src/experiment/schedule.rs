@@ -30,18 +30,13 @@ const RUN_EXCHANGES: usize = 20_000_000;
 
 named! {
     /// The phase of a trial. Practice trials are recorded but not analyzed.
+    #[derive(Default)]
     Phase, PhaseError {
         /// Practice trials, which come before the main trials.
         Practice = "practice",
-        /// Main trials, which are analyzed.
+        /// Main trials, which are analyzed; also the placeholder for a row that is not yet filled in.
+        #[default]
         Main = "main",
-    }
-}
-
-/// Placeholder for a row that is not yet filled in.
-impl Default for Phase {
-    fn default() -> Self {
-        Self::Main
     }
 }
 
