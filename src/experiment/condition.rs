@@ -30,20 +30,16 @@ pub(super) fn cross(base: &Stimulus, factors: &[Factor]) -> Result<Vec<Condition
     if let Stimulus::Image(pictures) = base {
         return Ok(pictures.each().map(|picture| of_picture(picture.into(), factors)).collect());
     }
-    let mut cells = vec![Condition { levels: Vec::new(), stimulus: base.clone() }];
-    for factor in factors {
-        let mut next = Vec::with_capacity(cells.len() * factor.levels.len());
-        for cell in &cells {
-            for (index, level) in factor.levels.iter().enumerate() {
-                let mut cell = cell.clone();
-                cell.stimulus.set(&factor.name, level)?;
-                cell.levels.push(index);
-                next.push(cell);
-            }
-        }
-        cells = next;
-    }
-    Ok(cells)
+    let cells = vec![Condition { levels: Vec::new(), stimulus: base.clone() }];
+    factors.iter().try_fold(cells, |cells, factor| {
+        let with = |mut cell: Condition, index: usize| {
+            cell.stimulus.set(&factor.name, &factor.levels[index])?;
+            cell.levels.push(index);
+            Ok(cell)
+        };
+        let all = cells.iter().flat_map(|cell| (0..factor.levels.len()).map(move |index| (cell.clone(), index)));
+        all.map(|(cell, index)| with(cell, index)).collect()
+    })
 }
 
 /// Returns the condition of a picture, which has its own level of each factor.

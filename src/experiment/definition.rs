@@ -8,7 +8,7 @@ use unicode_script::{Script, UnicodeScript as _};
 use super::{
     condition::{Factor, serialize_factors},
     faults::DefinitionError,
-    participant::ParticipantFields,
+    participant::{ParticipantField, serialize_fields},
     scale::ResponseScale,
     task::{Adaptive, OptionValue, Task, options},
     texts::Texts,
@@ -17,19 +17,23 @@ use crate::{stimulus::Stimulus, text::names::serde_as_text};
 
 /// The definition of an experiment: what is varied, in what order it is shown, and how it is shown and rated. A
 /// [`Protocol`](super::Protocol) is a definition without errors. It is serialized in the form of its file, so that the
-/// copy in a sidecar can be read back; texts that equal their defaults are left out.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+/// copy in a sidecar can be read back; texts that equal their defaults are left out. Its reader fills in the tables whose
+/// content depends on a kind, or on each other.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Definition {
     /// Version of the definition's format; 1.
+    #[serde(skip_deserializing)]
     pub schema: u32,
     /// Name, `[a-z0-9-]+`. The results folder has the same name.
     pub name: String,
     /// Title for people, one line.
     pub title: String,
     /// The stimulus with the parameters that do not vary.
+    #[serde(skip_deserializing)]
     pub stimulus: Stimulus,
     /// The factors to cross, in the order of the definition.
-    #[serde(serialize_with = "serialize_factors")]
+    #[serde(skip_deserializing, serialize_with = "serialize_factors")]
     pub factors: Vec<Factor>,
     /// Number and order of the trials.
     pub design: Design,
@@ -39,25 +43,26 @@ pub struct Definition {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub presentation: Option<Presentation>,
     /// What participants do in a trial.
-    #[serde(skip_serializing_if = "Task::is_default")]
+    #[serde(skip_deserializing, skip_serializing_if = "Task::is_default")]
     pub task: Task,
     /// The method that chooses levels from the answers so far.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(skip_deserializing, skip_serializing_if = "Option::is_none")]
     pub adaptive: Option<Adaptive>,
     /// The question and its possible answers.
+    #[serde(skip_deserializing)]
     pub response: ResponseScale,
     /// The planned viewing geometry.
     pub viewing: ViewingPlan,
     /// What is asked about the participant before the first page.
-    #[serde(skip_serializing_if = "ParticipantFields::is_empty")]
-    pub participant: ParticipantFields,
+    #[serde(skip_deserializing, serialize_with = "serialize_fields", skip_serializing_if = "Vec::is_empty")]
+    pub participant: Vec<ParticipantField>,
     /// The participant's texts.
     pub instructions: Texts,
     /// What happens around a session's trials.
     #[serde(skip_serializing_if = "SessionRules::is_default")]
     pub session: SessionRules,
     /// How many people are planned. No session depends on it, so it may change at any time, and no copy is kept.
-    #[serde(skip)]
+    #[serde(skip_serializing)]
     pub plan: Plan,
 }
 
@@ -187,8 +192,8 @@ impl Definition {
         let question = ("response.question".to_owned(), self.response.question.as_str());
         let labels = self.response.categories.iter().enumerate();
         let labels = labels.map(|(i, category)| (format!("response.labels.{i}"), category.label.as_str()));
-        let fields = self.participant.0.iter().flat_map(|field| {
-            let texts = [&field.spec.label, &field.spec.text].into_iter().filter_map(|text| text.as_deref());
+        let fields = self.participant.iter().flat_map(|field| {
+            let texts = [&field.label, &field.text].into_iter().filter_map(|text| text.as_deref());
             let texts = texts.chain(field.options().into_iter().map(|(_, shown)| shown));
             texts.map(|text| (format!("participant.{}", field.name), text))
         });

@@ -28,7 +28,7 @@ pub use frame_log::{FrameRun, Shown};
 pub use observer::{
     Observer, ObserverParameters, OrderedLogit, UniformObserver, VisionObserver, VisionRater, simulate,
 };
-pub use participant::{Answers, FieldKind, FieldSpec, Identity, MAX_ANSWER, ParticipantField, ParticipantFields};
+pub use participant::{Answers, FieldKind, Identity, MAX_ANSWER, ParticipantField};
 pub use protocol::{Protocol, name_error};
 pub use record::{
     Column, IN_BIDS, Rating, RatingRow, RowContext, SECOND, SIMULATED, STIM_FILE, STIMULUS, Seconds, TaskAnswer,

@@ -1,32 +1,18 @@
 //! The identifiers of a participant and a session, and what a session asks about the participant before its first page.
 
-use std::fmt;
-
-use serde::{
-    Deserialize, Deserializer, Serialize, Serializer,
-    de::{MapAccess, Visitor},
-};
+use serde::{Deserialize, Serialize, Serializer};
 
 use super::{faults::DefinitionErrors, texts::Texts};
 use crate::text::names::expected_one_of;
 
-/// The fields of a definition's `[participant]` table, in its order.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ParticipantFields(pub Vec<ParticipantField>);
-
-/// One field: a number, a text, a choice, or a text to agree to.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ParticipantField {
-    /// Its key, which is its column in `participants.tsv`.
-    pub name: String,
-    /// Its form in the definition.
-    pub spec: FieldSpec,
-}
-
-/// A field as it is written in a definition.
+/// A field of a definition's `[participant]` table, in the form of the file: a number, a text, a choice, or a text to agree
+/// to.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct FieldSpec {
+pub struct ParticipantField {
+    /// Its key, which is its column in `participants.tsv`.
+    #[serde(skip)]
+    pub name: String,
     /// Whether the session begins only with an answer.
     #[serde(skip_serializing_if = "Clone::clone")]
     pub required: bool,
@@ -36,7 +22,7 @@ pub struct FieldSpec {
     /// A text to agree to. The answer is the day on which the participant agreed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub text: Option<String>,
-    /// The possible answers, as they are recorded.
+    /// The possible answers, as they are recorded; if empty, those that its name has.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub choices: Vec<String>,
     /// The possible answers as the participant reads them; empty if they read the recorded ones.
@@ -47,9 +33,10 @@ pub struct FieldSpec {
     pub number: bool,
 }
 
-impl Default for FieldSpec {
+impl Default for ParticipantField {
     fn default() -> Self {
-        Self { required: true, label: None, text: None, choices: Vec::new(), choice_labels: Vec::new(), number: false }
+        let (name, label, text, choices, choice_labels) = Default::default();
+        Self { name, required: true, label, text, choices, choice_labels, number: false }
     }
 }
 
@@ -107,28 +94,21 @@ const MAX_AGE: f64 = 130.0;
 /// Longest answer, characters.
 pub const MAX_ANSWER: usize = 200;
 
-impl ParticipantFields {
+impl ParticipantField {
     /// Returns the names with a meaning of their own.
     pub fn known_names() -> impl Iterator<Item = &'static str> {
         KNOWN.iter().map(|known| known.name)
     }
 
-    /// True if nothing is asked.
-    pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
-    }
-}
-
-impl ParticipantField {
     fn known(&self) -> Option<&'static Known> {
         KNOWN.iter().find(|known| known.name == self.name)
     }
 
     /// Returns how the field is answered.
     pub fn kind(&self) -> FieldKind {
-        if self.spec.text.is_some() {
+        if self.text.is_some() {
             FieldKind::Agreement
-        } else if self.spec.number || self.name == "age" {
+        } else if self.number || self.name == "age" {
             FieldKind::Number
         } else if self.choices().is_empty() {
             FieldKind::Text
@@ -145,22 +125,22 @@ impl ParticipantField {
             letters[..1].iter_mut().for_each(|first| first.make_ascii_uppercase());
             letters.into_iter().collect()
         };
-        self.spec.label.clone().or_else(known).unwrap_or_else(from_name)
+        self.label.clone().or_else(known).unwrap_or_else(from_name)
     }
 
     /// Returns the possible answers, as they are recorded.
     pub fn choices(&self) -> Vec<&str> {
         match self.known() {
-            Some(known) if self.spec.choices.is_empty() => known.choices.to_vec(),
-            _ => self.spec.choices.iter().map(String::as_str).collect(),
+            Some(known) if self.choices.is_empty() => known.choices.to_vec(),
+            _ => self.choices.iter().map(String::as_str).collect(),
         }
     }
 
     /// Returns each possible answer with what the participant reads.
     pub fn options(&self) -> Vec<(&str, &str)> {
         let choices = self.choices();
-        let labels = self.spec.choice_labels.iter().map(String::as_str);
-        let labels: Vec<_> = if self.spec.choice_labels.is_empty() { choices.clone() } else { labels.collect() };
+        let labels = self.choice_labels.iter().map(String::as_str);
+        let labels: Vec<_> = if self.choice_labels.is_empty() { choices.clone() } else { labels.collect() };
         choices.into_iter().zip(labels).collect()
     }
 
@@ -181,7 +161,7 @@ impl ParticipantField {
         if text.is_empty() {
             let is_agreement = self.kind() == FieldKind::Agreement;
             let missing = if is_agreement { &texts.agreement_missing } else { &texts.answer_missing };
-            return if self.spec.required { Err(missing) } else { Ok(None) };
+            return if self.required { Err(missing) } else { Ok(None) };
         }
         if self.kind() != FieldKind::Number {
             let is_formula = text.starts_with(['=', '+', '-', '@']);
@@ -199,7 +179,7 @@ impl ParticipantField {
 
     /// Adds the errors of the field.
     pub(super) fn check(&self, errors: &mut DefinitionErrors) {
-        let Self { name, spec } = self;
+        let Self { name, text, choices, number, .. } = self;
         let path = format!("participant.{name}");
         let first = |c: char| c.is_ascii_lowercase();
         let rest = |c: char| first(c) || c.is_ascii_digit() || c == '_';
@@ -210,13 +190,13 @@ impl ParticipantField {
         if TAKEN.contains(&name.as_str()) {
             return errors.add(path, format!("{name} already has another meaning; expected another name"));
         }
-        if name == "consent" && spec.text.is_none() {
+        if name == "consent" && text.is_none() {
             errors.add(&path, "consent has no text; expected text = …, the text to agree to");
         }
-        if name == "age" && spec.text.is_none() && !spec.choices.is_empty() {
+        if name == "age" && text.is_none() && !choices.is_empty() {
             errors.add(format!("{path}.choices"), "age has choices; expected none, because age is a number");
         }
-        let kinds = [spec.text.is_some(), !spec.choices.is_empty(), spec.number];
+        let kinds = [text.is_some(), !choices.is_empty(), *number];
         if kinds.into_iter().filter(|is| *is).count() > 1 {
             errors.add(&path, format!("{name} has more than one of text, choices and number; expected one of them"));
         }
@@ -224,8 +204,8 @@ impl ParticipantField {
     }
 
     fn check_choices(&self, path: &str, errors: &mut DefinitionErrors) {
-        let Self { name, spec } = self;
-        for (i, choice) in spec.choices.iter().enumerate() {
+        let Self { name, choices, .. } = self;
+        for (i, choice) in choices.iter().enumerate() {
             let path = format!("{path}.choices.{i}");
             let closed = self.known().filter(|known| !known.open);
             if choice.trim() != choice || choice.is_empty() || choice.contains(['\t', '\n', '\r']) || choice == "n/a" {
@@ -233,7 +213,7 @@ impl ParticipantField {
             } else if choice.starts_with(['=', '+', '-', '@']) {
                 let expected = "expected text that begins with another character";
                 errors.add(path, format!("spreadsheets would treat choice {choice:?} as a formula; {expected}"));
-            } else if spec.choices[..i].contains(choice) {
+            } else if choices[..i].contains(choice) {
                 errors.add(path, format!("choice {choice:?} appears twice; expected each choice once"));
             } else if let Some(known) = closed.filter(|known| !known.choices.contains(&choice.as_str())) {
                 let expected = expected_one_of(choice, known.choices);
@@ -241,7 +221,7 @@ impl ParticipantField {
                 errors.add(path, format!("choice {choice:?} is not a value of {name} in BIDS; {expected}; {hint}"));
             }
         }
-        let (labels, choices) = (spec.choice_labels.len(), self.choices().len());
+        let (labels, choices) = (self.choice_labels.len(), self.choices().len());
         if labels != 0 && labels != choices {
             let expected = format!("expected {choices}, one for each choice");
             errors.add(format!("{path}.choice_labels"), format!("choice_labels has length {labels}; {expected}"));
@@ -249,34 +229,9 @@ impl ParticipantField {
     }
 }
 
-impl Serialize for ParticipantFields {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(self.0.iter().map(|field| (&field.name, &field.spec)))
-    }
-}
-
-impl<'de> Deserialize<'de> for ParticipantFields {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Fields;
-
-        impl<'de> Visitor<'de> for Fields {
-            type Value = ParticipantFields;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                write!(f, "struct ParticipantFields")
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
-                let mut fields = Vec::new();
-                while let Some((name, spec)) = map.next_entry()? {
-                    fields.push(ParticipantField { name, spec });
-                }
-                Ok(ParticipantFields(fields))
-            }
-        }
-
-        deserializer.deserialize_map(Fields)
-    }
+/// Serializes fields as they appear in a definition, by their names.
+pub(super) fn serialize_fields<S: Serializer>(fields: &[ParticipantField], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(fields.iter().map(|field| (&field.name, field)))
 }
 
 /// Maximum length of an identifier: a file name with two of them must fit every file system.

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::{
     condition::{Condition, cross},
-    definition::{Definition, Order},
+    definition::{Definition, Design, Order},
     faults::{DefinitionError, DefinitionErrors},
     scale::CATEGORIES,
     task::{Adaptive, Given, Layout, Turn, at_level},
@@ -19,9 +19,6 @@ const MAX_TRIALS: usize = 100_000;
 const RATING_S: f64 = 3.5;
 /// Typical time to set a value, seconds.
 const SETTING_S: f64 = 12.0;
-/// Keys that the session itself uses, so they cannot be answers.
-const RESERVED_KEYS: [char; 1] = ['s'];
-
 /// A [`Definition`] without errors, and its conditions: what a session runs. The definition can be read but not changed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(transparent)]
@@ -168,19 +165,16 @@ impl Protocol {
     /// Returns the duration of the stimulus, or of each interval, to the nanosecond; `None` if it stays until it is
     /// answered.
     pub fn presentation_duration(&self) -> Option<Duration> {
-        let seconds = match self.task.layout() {
-            Layout::Intervals { duration_s, .. } => Some(duration_s),
-            Layout::Single | Layout::Places(_) => self.presentation.map(|presentation| presentation.duration_s),
-        };
-        seconds.map(Duration::from_secs_f64)
+        if let Layout::Intervals { duration_s, .. } = self.task.layout() {
+            return Some(Duration::from_secs_f64(duration_s));
+        }
+        self.presentation.map(|presentation| Duration::from_secs_f64(presentation.duration_s))
     }
 
     /// Returns the duration of the uniform field between two intervals.
     pub fn gap_duration(&self) -> Duration {
-        match self.task.layout() {
-            Layout::Intervals { gap_s, .. } => Duration::from_secs_f64(gap_s),
-            Layout::Single | Layout::Places(_) => Duration::ZERO,
-        }
+        let Layout::Intervals { gap_s, .. } = self.task.layout() else { return Duration::ZERO };
+        Duration::from_secs_f64(gap_s)
     }
 }
 
@@ -192,23 +186,23 @@ impl Definition {
         }
         let conditions = self.check_factors(errors);
         self.check_design(errors);
-        errors.check_range("recovery.duration_s", self.recovery.duration_s, 0.0, 600.0, "seconds");
-        errors.check_range("recovery.level", self.recovery.level, 0.0, 1.0, "the relative luminance of the field");
-        if let Some(presentation) = &self.presentation {
-            let meaning = "seconds; without [presentation] the stimulus stays until it is rated";
-            errors.check_range("presentation.duration_s", presentation.duration_s, 0.001, 600.0, meaning);
+        let presentation = self.presentation.map(|presentation| presentation.duration_s);
+        let until_rated = "seconds; without [presentation] the stimulus stays until it is rated";
+        for (path, value, [low, high], meaning) in [
+            ("recovery.duration_s", Some(self.recovery.duration_s), [0.0, 600.0], "seconds"),
+            ("recovery.level", Some(self.recovery.level), [0.0, 1.0], "the relative luminance of the field"),
+            ("presentation.duration_s", presentation, [0.001, 600.0], until_rated),
+            ("viewing.distance_cm", Some(self.viewing.distance_cm), [1.0, 10_000.0], "cm from eye to screen"),
+            ("viewing.window_deg", Some(self.viewing.window_deg), [0.01, 170.0], "degrees of visual angle"),
+            ("session.refresh_after_h", self.session.refresh_after_h, [0.0, 8760.0], "hours"),
+            ("plan.participants", self.plan.participants.map(f64::from), [1.0, 9999.0], "the number of participants"),
+            ("plan.sessions", Some(self.plan.sessions.into()), [1.0, 99.0], "the sessions of each participant"),
+        ] {
+            value.into_iter().for_each(|value| errors.check_range(path, value, low, high, meaning));
         }
-        errors.check_range("viewing.distance_cm", self.viewing.distance_cm, 1.0, 10_000.0, "cm from eye to screen");
-        errors.check_range("viewing.window_deg", self.viewing.window_deg, 0.01, 170.0, "degrees of visual angle");
-        if let Some(hours) = self.session.refresh_after_h {
-            errors.check_range("session.refresh_after_h", hours, 0.0, 8760.0, "hours");
-        }
-        let participants = f64::from(self.plan.participants.unwrap_or(1));
-        errors.check_range("plan.participants", participants, 1.0, 9999.0, "the number of participants");
-        errors.check_range("plan.sessions", self.plan.sessions.into(), 1.0, 99.0, "the sessions of each participant");
         self.check_response(errors);
         self.check_task(errors);
-        self.participant.0.iter().for_each(|field| field.check(errors));
+        self.participant.iter().for_each(|field| field.check(errors));
         errors.0.extend(self.script_errors());
         conditions
     }
@@ -239,13 +233,8 @@ impl Definition {
                 if let Err(error) = self.stimulus.clone().set(&factor.name, level) {
                     errors.add(path, error.to_string());
                 } else if !seen.insert(level.to_string()) {
-                    errors.add(
-                        path,
-                        format!(
-                            "level {level} of {} appears twice; expected each level once (repetitions repeat it)",
-                            factor.name
-                        ),
-                    );
+                    let expected = "expected each level once (repetitions repeat it)";
+                    errors.add(path, format!("level {level} of {} appears twice; {expected}", factor.name));
                 }
             }
         }
@@ -280,12 +269,10 @@ impl Definition {
             errors.add("design.repetitions", "repetitions is 0; expected at least 1");
         }
         let adaptive = self.adaptive.as_ref().map(|adaptive| adaptive.common.trials);
-        if let Some(trials) = self.task.ranking().or(adaptive).filter(|_| design.repetitions > 1) {
-            let message = format!(
-                "repetitions is {}, but trials says that there are {trials}; expected no repetitions",
-                design.repetitions
-            );
-            errors.add("design.repetitions", message);
+        let Design { repetitions, .. } = design;
+        if let Some(trials) = self.task.ranking().or(adaptive).filter(|_| *repetitions > 1) {
+            let what = format!("repetitions is {repetitions}, but trials says that there are {trials}");
+            errors.add("design.repetitions", format!("{what}; expected no repetitions"));
         }
         if design.max_run == Some(0) {
             errors.add("design.max_run", "max_run is 0; expected at least 1");
@@ -314,11 +301,8 @@ impl Definition {
         }
         let Some(adaptive) = &self.adaptive else { return };
         if !self.task.adapts() {
-            let message = format!(
-                "a task of the kind {} has no levels to choose; expected choice, yes-no or pair",
-                self.task.name()
-            );
-            errors.add("adaptive", message);
+            let (kind, expected) = (self.task.name(), "expected choice, yes-no or pair");
+            errors.add("adaptive", format!("a task of the kind {kind} has no levels to choose; {expected}"));
         }
         adaptive.check(&given, &*self.task, errors);
     }
@@ -381,20 +365,16 @@ impl Definition {
             let message = format!("the number of labels is {}; expected {expected}", categories.len());
             errors.add("response.labels", message);
         } else if self.task.answers().is_none() && !CATEGORIES.contains(&categories.len()) {
-            let (least, most) = CATEGORIES.into_inner();
-            errors.add(
-                "response.labels",
-                format!("the number of categories is {}; expected {least} to {most}", categories.len()),
-            );
+            let (count, (least, most)) = (categories.len(), CATEGORIES.into_inner());
+            errors.add("response.labels", format!("the number of categories is {count}; expected {least} to {most}"));
         }
         for (i, category) in categories.iter().take(*CATEGORIES.end()).enumerate() {
             let path = format!("response.keys.{i}");
             let key = category.key;
-            if !key.is_ascii_alphanumeric() || RESERVED_KEYS.contains(&key.to_ascii_lowercase()) {
-                errors.add(
-                    path,
-                    format!("key {key:?} cannot be an answer; expected a digit or a letter A–Z other than S"),
-                );
+            // In a session, S shows the scale.
+            if !key.is_ascii_alphanumeric() || key.eq_ignore_ascii_case(&'s') {
+                let expected = "expected a digit or a letter A–Z other than S";
+                errors.add(path, format!("key {key:?} cannot be an answer; {expected}"));
             } else if categories[..i].iter().any(|other| other.key.eq_ignore_ascii_case(&key)) {
                 errors.add(path, format!("key {key:?} appears twice; expected a different key for each answer"));
             }

@@ -30,18 +30,13 @@ const RUN_EXCHANGES: usize = 20_000_000;
 
 named! {
     /// The phase of a trial. Practice trials are recorded but not analyzed.
+    #[derive(Default)]
     Phase, PhaseError {
         /// Practice trials, which come before the main trials.
         Practice = "practice",
-        /// Main trials, which are analyzed.
+        /// Main trials, which are analyzed; also the placeholder for a row that is not yet filled in.
+        #[default]
         Main = "main",
-    }
-}
-
-/// Placeholder for a row that is not yet filled in.
-impl Default for Phase {
-    fn default() -> Self {
-        Self::Main
     }
 }
 
@@ -189,7 +184,11 @@ fn main(
             let levels = protocol.factors[factor].levels.len();
             let mut of_level = vec![Vec::new(); levels];
             all.for_each(|c| of_level[conditions[c].levels[factor]].push(c));
-            let order = block_order(&design.order, levels, identity, rng);
+            let mut order: Vec<usize> = (0..levels).collect();
+            match design.order {
+                Order::Latin(_) => order = williams_row(levels, identity.counterbalance_row()),
+                _ => shuffle(&mut order, rng),
+            }
             let blocks = order.into_iter().map(|level| std::mem::take(&mut of_level[level]));
             (blocks.collect(), protocol.main_trials() / levels)
         }
@@ -205,16 +204,6 @@ fn main(
     }
     let numbered = cells.into_iter().enumerate().map(|(i, cell)| ((i / block_trials.max(1)) as u32 + 1, cell));
     Ok(number(Phase::Main, protocol.slots(), numbered))
-}
-
-/// Returns the order of the blocks for a blocking factor with `levels` levels.
-fn block_order(order: &Order, levels: usize, identity: &Identity, rng: &mut ChaCha8Rng) -> Vec<usize> {
-    if let Order::Latin(_) = order {
-        return williams_row(levels, identity.counterbalance_row());
-    }
-    let mut blocks: Vec<usize> = (0..levels).collect();
-    shuffle(&mut blocks, rng);
-    blocks
 }
 
 /// Returns one row of a Williams square. Over all rows, each level takes each position equally often and follows every

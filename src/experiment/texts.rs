@@ -21,9 +21,8 @@ macro_rules! texts {
 
         impl Serialize for Texts {
             fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-                let given = [$((stringify!($name), &self.$name, $default)),*].into_iter();
-                let given = given.filter(|(_, text, default)| text != default).map(|(name, text, _)| (name, text));
-                serializer.collect_map(given.collect::<Vec<_>>())
+                let all = self.entries().zip(Self::ALL);
+                serializer.collect_map(all.filter_map(|(own, [.., default])| (own.1 != *default).then_some(own)))
             }
         }
 

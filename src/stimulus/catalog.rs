@@ -31,7 +31,14 @@ macro_rules! stimuli {
         }
 
         static ENTRIES: [Entry; KINDS.len()] =
-            [$(Entry { kind: $name::KIND, title: $title, about: $about, has_bands: $has_bands },)*];
+            [$(Entry {
+                kind: $name::KIND,
+                title: $title,
+                about: $about,
+                has_bands: $has_bands,
+                parameters: $name::PARAMETERS,
+                default: || $name::default().into(),
+            },)*];
 
         $(impl From<$name> for Stimulus {
             fn from(stimulus: $name) -> Self {
@@ -39,34 +46,12 @@ macro_rules! stimuli {
             }
         })*
 
-        /// True if some kind of stimulus has a parameter with exactly this name that is a direction.
-        pub fn is_direction(name: &str) -> bool {
-            [$($name::PARAMETERS,)*].concat().iter().any(|parameter| parameter.name == name && parameter.is_direction)
-        }
-
         impl Stimulus {
             /// Returns the name of this kind, one of [`KINDS`].
             pub fn kind(&self) -> &'static str {
                 match self {
                     $(Self::$name(_) => $name::KIND,)*
                     Self::Image(_) => Picture::KIND,
-                }
-            }
-
-            /// Returns the stimulus of the kind `kind` with every parameter at its default, or `None` if there is no
-            /// such kind.
-            pub fn default_of(kind: &str) -> Option<Stimulus> {
-                $(if kind == $name::KIND {
-                    return Some(Self::$name($name::default()));
-                })*
-                None
-            }
-
-            /// Returns every parameter that can be set, in the order in which files list them.
-            pub fn parameters(&self) -> &'static [Parameter] {
-                match self {
-                    $(Self::$name(_) => $name::PARAMETERS,)*
-                    Self::Image(_) => Picture::PARAMETERS,
                 }
             }
 
@@ -240,6 +225,16 @@ impl Stimulus {
         };
         (1..3).fold(0, |best, channel| if weights[channel] > weights[best] { channel } else { best })
     }
+
+    /// Returns every parameter that can be set, in the order in which files list them.
+    pub fn parameters(&self) -> &'static [Parameter] {
+        parameters(self.kind())
+    }
+
+    /// Returns the stimulus of the kind `kind` with every parameter at its default, or `None` if there is no such kind.
+    pub fn default_of(kind: &str) -> Option<Stimulus> {
+        entry(kind).map(Entry::default_stimulus)
+    }
 }
 
 /// A stimulus as the catalog lists it.
@@ -253,13 +248,26 @@ pub struct Entry {
     pub about: &'static str,
     /// Whether this kind can have Mach bands, which arise where a ramp of luminance begins or ends.
     pub has_bands: bool,
+    /// Every parameter, in the order in which files list them.
+    pub parameters: &'static [Parameter],
+    default: fn() -> Stimulus,
 }
 
 impl Entry {
     /// Returns the stimulus with all parameters at their defaults.
     pub fn default_stimulus(&self) -> Stimulus {
-        Stimulus::default_of(self.kind).unwrap_or(MachBand::default().into())
+        (self.default)()
     }
+}
+
+/// Returns the parameters of the kind `kind`, in the order in which files list them; none if there is no such kind.
+pub fn parameters(kind: &str) -> &'static [Parameter] {
+    if kind == Picture::KIND { Picture::PARAMETERS } else { entry(kind).map_or(&[], |entry| entry.parameters) }
+}
+
+/// True if some kind of stimulus has a parameter with exactly this name that is a direction.
+pub fn is_direction(name: &str) -> bool {
+    ENTRIES.iter().flat_map(|entry| entry.parameters).any(|parameter| parameter.name == name && parameter.is_direction)
 }
 
 /// Returns every entry, in a good order for a first tour.

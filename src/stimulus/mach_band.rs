@@ -4,7 +4,7 @@
 use super::{
     color::{self, StimulusColor},
     drawing::Profile,
-    parameter::{ParameterError, Range, kind, parameter_error, text_field},
+    parameter::{ParameterError, Range, kind, parameter_error, text_field, unknown},
 };
 use crate::{
     light::{
@@ -33,7 +33,7 @@ named! {
         Lab = "lab",
     }
 }
-text_field!(RampSpace: Self::NAMES);
+text_field!(RampSpace: Self::NAMES, unknown;);
 
 kind! {
     /// A square window of side 1 with a ramp across its middle. It is defined in light, not in codes: L = low + (high −

@@ -41,6 +41,13 @@ pub enum ParameterValue {
     Text(String),
 }
 
+impl ParameterValue {
+    /// Returns a text in quotes, and a number as it is.
+    pub(super) fn quoted(&self) -> String {
+        if let Self::Text(text) = self { format!("{text:?}") } else { self.to_string() }
+    }
+}
+
 impl fmt::Display for ParameterValue {
     /// Writes a number in the shortest form that reads back as the same number: `0.4`, `45`, `1`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -162,7 +169,7 @@ pub(super) trait ParameterType: Sized {
 
 fn number(parameter: &Parameter, range: Range, value: &ParameterValue) -> Result<f64, ParameterError> {
     let ParameterValue::Number(number) = value else {
-        return Err(parameter.error(format!("{:?}", value.to_string()), "is not a number"));
+        return Err(parameter.error(value.quoted(), "is not a number"));
     };
     match range {
         _ if !number.is_finite() => Err(parameter.error(number, "is not a finite number")),
@@ -196,23 +203,10 @@ impl ParameterType for u32 {
     }
 }
 
-impl ParameterType for Depth {
-    fn read(parameter: &Parameter, _: Range, value: &ParameterValue) -> Result<Self, ParameterError> {
-        let text = value.to_string();
-        let shown = if let ParameterValue::Text(text) = value { format!("{text:?}") } else { text.clone() };
-        text.parse().map_err(|error: DepthError| parameter.error(shown, error.problem))
-    }
-    fn write(&self) -> ParameterValue {
-        match self {
-            Depth::Finite(n) => f64::from(*n).into(),
-            Depth::Infinite => self.to_string().as_str().into(),
-        }
-    }
-}
-
-/// Implements [`ParameterType`] for types that are written as text; each with all its values, if they are a few names.
+/// Implements [`ParameterType`] for types that are written as text; each with all its values, if they are a few names, and with
+/// what is wrong with another text.
 macro_rules! text_field {
-    ($($kind:ty: $choices:expr),*) => {$(
+    ($($kind:ty: $choices:expr, $problem:expr;)*) => {$(
         impl $crate::stimulus::parameter::ParameterType for $kind {
             const CHOICES: &'static [&'static str] = $choices;
             fn read(
@@ -220,25 +214,24 @@ macro_rules! text_field {
                 _: $crate::stimulus::parameter::Range,
                 value: &$crate::stimulus::parameter::ParameterValue,
             ) -> Result<Self, $crate::stimulus::parameter::ParameterError> {
-                let text = value.to_string();
-                text.parse().map_err(|_| parameter.error(format!("{text:?}"), "is not known"))
+                value.to_string().parse().map_err(|error| parameter.error(value.quoted(), $problem(error)))
             }
             fn write(&self) -> $crate::stimulus::parameter::ParameterValue {
-                self.to_string().as_str().into()
+                let Ok(value) = self.to_string().parse();
+                value
             }
         }
     )*};
 }
 pub(super) use text_field;
+text_field! {
+    Depth: &[], |error: DepthError| error.problem;
+    StimulusColor: &[], |error: ColorError| error.problem;
+}
 
-impl ParameterType for StimulusColor {
-    fn read(parameter: &Parameter, _: Range, value: &ParameterValue) -> Result<Self, ParameterError> {
-        let text = value.to_string();
-        text.parse().map_err(|error: ColorError| parameter.error(format!("{text:?}"), error.problem))
-    }
-    fn write(&self) -> ParameterValue {
-        self.to_string().as_str().into()
-    }
+/// What is wrong with a text that is none of a few names.
+pub(super) fn unknown<E>(_: E) -> &'static str {
+    "is not known"
 }
 
 /// The text that stands for the color of the other plateau.

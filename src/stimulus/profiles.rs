@@ -3,7 +3,7 @@
 use super::{
     color::{self, StimulusColor},
     drawing::Profile,
-    parameter::{Range, kind, text_field},
+    parameter::{Range, kind, text_field, unknown},
 };
 use crate::text::names::named;
 
@@ -86,7 +86,7 @@ named! {
         Phong = "phong",
     }
 }
-text_field!(Shading: Self::NAMES);
+text_field!(Shading: Self::NAMES, unknown;);
 
 kind! {
     /// A cylinder of flat facets, seen from the side and lit from the viewer's position: the one-dimensional

@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 use super::{
     color::{self, StimulusColor},
     drawing::Area,
-    parameter::{ParameterError, Range, kind, parameter_error, text_field},
+    parameter::{ParameterError, Range, kind, parameter_error, text_field, unknown},
 };
 use crate::{
     light::{Depth, LinearImage},
@@ -42,7 +42,12 @@ impl FromStr for Triple {
     }
 }
 
-text_field!(Triple: &[], Shape: Self::NAMES, Shader: Self::NAMES, Correction: Self::NAMES);
+text_field! {
+    Triple: &[], unknown;
+    Shape: Self::NAMES, unknown;
+    Shader: Self::NAMES, unknown;
+    Correction: Self::NAMES, unknown;
+}
 
 serde_as_text!(Triple);
 

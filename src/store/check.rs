@@ -18,10 +18,9 @@ use super::{
     toml::Document,
 };
 use crate::{
-    display::DisplayProfile,
     experiment::{Identity, OrderedLogit, Protocol, Schedule, VisionRater},
     shading::Composition,
-    system::{fonts, found},
+    system::{fonts, found, today},
 };
 
 /// A file without errors.
@@ -29,15 +28,13 @@ use crate::{
 pub struct Checked {
     /// A description of the file.
     pub sentence: String,
-    /// The display profile, if the file is one. Callers need it because its reliability depends on today's date.
-    pub profile: Option<DisplayProfile>,
-    /// What does not work on this computer, or that a session did not end, if anything.
+    /// What does not work on this computer or on this day, or that a session did not end, if anything.
     pub warning: Option<String>,
 }
 
 impl From<String> for Checked {
     fn from(sentence: String) -> Self {
-        Self { sentence, profile: None, warning: None }
+        Self { sentence, warning: None }
     }
 }
 
@@ -112,12 +109,12 @@ fn check_toml(path: &Path, file: &str, text: &str) -> Result<Checked, StoreError
         let SceneFile { composition: Composition { bodies, lamps, .. }, notes, .. } = scene::read(path)?;
         let sentence = format!("scene; meshes: {}, lamps: {}", bodies.len(), lamps.len());
         let warning = (!notes.is_empty()).then(|| notes.join("; "));
-        return Ok(Checked { sentence, profile: None, warning });
+        return Ok(Checked { sentence, warning });
     }
     if document.has("transfer") {
         let profile = profile::parse(file, text)?;
         let sentence = format!("display profile {}", profile.sentence());
-        return Ok(Checked { sentence, profile: Some(profile), warning: None });
+        return Ok(Checked { sentence, warning: profile.warning(today()) });
     }
     if document.has("spread") {
         observer::parse::<VisionRater>(file, text)?;
@@ -143,7 +140,7 @@ fn check_definition(protocol: Protocol) -> Result<Checked, StoreError> {
         protocol.design.order
     );
     let (_, missing) = fonts::covering(&protocol.foreign_letters());
-    Ok(Checked { sentence, profile: None, warning: missing_fonts(&missing) })
+    Ok(Checked { sentence, warning: missing_fonts(&missing) })
 }
 
 /// How many characters a sentence lists.

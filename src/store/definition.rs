@@ -13,8 +13,7 @@ use super::{
 };
 use crate::{
     experiment::{
-        Category, Definition, DefinitionError, DefinitionErrors, Design, Factor, ParticipantFields, Plan, Presentation,
-        Protocol, Recovery, ResponseScale, SessionRules, Texts, ViewingPlan,
+        Category, Definition, DefinitionError, DefinitionErrors, Factor, ParticipantField, Protocol, ResponseScale,
         task::{Adaptive, Common, Method, OptionReader as _, Task},
     },
     stimulus::{
@@ -90,13 +89,13 @@ pub fn parse(file: &str, text: &str) -> Result<Protocol, FileErrors> {
 /// # Errors
 /// Returns every error, with its line and column.
 pub fn parse_again(file: &str, text: &str, before: Option<&Protocol>) -> Result<Protocol, FileErrors> {
-    let (written, mut document) = toml::read::<Written>(file, text)?;
+    let (written, mut document) = toml::read::<Map<String, Value>>(file, text)?;
     let known = match before.map(|before| &before.stimulus) {
         Some(Stimulus::Image(picture)) => Some(&*picture.gallery),
         _ => None,
     };
     let place = Place { folder: Path::new(file).parent().unwrap_or(Path::new("")), known };
-    match written.protocol(Some(place)) {
+    match protocol(written, Some(place)) {
         Ok(protocol) => document.finish(protocol),
         Err(errors) => {
             errors.into_iter().for_each(|error| document.error(&error.path, error.message));
@@ -111,16 +110,13 @@ pub fn parse_again(file: &str, text: &str, before: Option<&Protocol>) -> Result<
 /// Returns every error in the definition.
 pub fn from_json(file: &str, definition: &Value) -> Result<Protocol, FileErrors> {
     let fail = |message: String| FileErrors::whole(file, message);
-    let mut definition = definition.clone();
-    let schema = definition.as_object_mut().and_then(|keys| keys.shift_remove("schema"));
-    let written = Written::deserialize(definition).map_err(|error| {
-        fail(format!("the definition cannot be read: {error}; expected a table, as in a definition file"))
-    })?;
-    if schema != Some(1.into()) {
+    let Value::Object(mut written) = definition.clone() else {
+        return Err(fail("the definition cannot be read; expected a table, as in a definition file".to_owned()));
+    };
+    if written.shift_remove("schema") != Some(1.into()) {
         return Err(fail("the schema of the definition is missing or not 1; expected schema 1".to_owned()));
     }
-    written
-        .protocol(None)
+    protocol(written, None)
         .map_err(|errors| FileErrors(errors.into_iter().flat_map(|error| fail(error.message).0).collect()))
 }
 
@@ -137,12 +133,7 @@ pub fn save(path: &Path, opened: Option<&str>, written: &str) -> Result<(), Stor
         return Err(StoreError::protected(path, what));
     }
     // Only the file that was edited is replaced: another may be the definition of a study with sessions.
-    Writer::new(Vec::new(), opened.is_some()).write(path, written.as_bytes()).map_err(|error| match error {
-        StoreError::Occupied(path) => {
-            StoreError::protected(&path, "already exists; expected a name that no file in the folder has")
-        }
-        error => error,
-    })
+    Writer::new(Vec::new(), opened.is_some()).write(path, written.as_bytes())
 }
 
 /// Returns the SHA-256 of what a definition says, in lowercase hexadecimal. Comments, layout, the order of keys, and
@@ -177,30 +168,8 @@ fn remove_equal(value: &mut Value, default: &Value) {
     }
 }
 
-/// A definition in the structure of its file.
-#[derive(Default, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-struct Written {
-    name: Option<String>,
-    title: Option<String>,
-    /// `kind`, and the parameters of that kind.
-    stimulus: Map<String, Value>,
-    /// Lists of levels; their order determines the order of factors and columns.
-    factors: Map<String, Value>,
-    design: Design,
-    recovery: Recovery,
-    presentation: Option<Presentation>,
-    /// `kind`, and the options of that kind.
-    task: Option<Map<String, Value>>,
-    /// `method`, what every method has, and the options of that method.
-    adaptive: Option<Map<String, Value>>,
-    response: WrittenScale,
-    viewing: ViewingPlan,
-    participant: ParticipantFields,
-    instructions: Texts,
-    session: SessionRules,
-    plan: Plan,
-}
+/// The tables that [`Definition`] does not read itself.
+const TABLES: [&str; 6] = ["stimulus", "factors", "task", "adaptive", "response", "participant"];
 
 #[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -210,98 +179,115 @@ struct WrittenScale {
     keys: Option<Vec<char>>,
 }
 
-impl Written {
-    /// Returns the definition. `place` is where its pictures are; without it, they are only described.
-    ///
-    /// # Errors
-    /// Returns every error.
-    fn protocol(mut self, place: Option<Place<'_>>) -> Result<Protocol, Vec<DefinitionError>> {
-        let (mut errors, is_recorded) = (DefinitionErrors::default(), place.is_none());
-        let stimulus = if self.stimulus.get("kind").and_then(Value::as_str) == Some(Picture::KIND) {
-            self.pictures(place, &mut errors).into()
-        } else {
-            stimulus(&self.stimulus, &mut errors)
-        };
-        let name = self.name.unwrap_or_else(|| {
-            errors.add("name", "name is missing; expected name = …");
-            "unnamed".to_owned()
-        });
-        let task = self.task.map(|table| task(table, &mut errors)).unwrap_or_default();
-        let unused = if task.dial().is_some() { self.response.keys.take() } else { None };
-        let response = scale(self.response, task.scale(), &mut errors);
-        // A definition that was written with all its keys has those that its labels would have.
-        if unused.is_some_and(|keys| !keys.into_iter().eq(response.categories.iter().map(|category| category.key))) {
-            errors.add("response.keys", "participants set a value; expected no keys");
-        }
-        let mut instructions = self.instructions;
-        task.instruct(&mut instructions, &response, matches!(stimulus, Stimulus::Image(_)));
-        let protocol = Protocol::new(Definition {
-            title: self.title.unwrap_or_else(|| name.clone()),
-            factors: match &stimulus {
-                Stimulus::Image(pictures) => {
-                    pictures.factors().into_iter().map(|(name, levels)| Factor { name, levels }).collect()
-                }
-                _ => factors(self.factors, &stimulus, &mut errors),
-            },
-            design: self.design,
-            recovery: self.recovery,
-            presentation: self.presentation,
-            response,
-            task,
-            adaptive: self.adaptive.map(|table| adaptive(table, &mut errors)),
-            viewing: self.viewing,
-            participant: self.participant,
-            instructions,
-            session: self.session,
-            plan: self.plan,
-            ..Definition::new(name, stimulus)
-        });
-        let protocol = if is_recorded { protocol } else { protocol.and_then(Protocol::with_effect) };
-        if errors.0.is_empty() {
-            return protocol;
-        }
-        // A value that could not be read would only cause follow-up errors, as would the options of an unknown kind.
-        let (mut unread, mut unknown) = (HashSet::new(), Vec::new());
-        for DefinitionError { path, .. } in &errors.0 {
-            unread.insert(path.clone());
-            // A list or a table without one of its items is not read, either.
-            unread.extend(path.match_indices('.').skip(1).map(|(end, _)| path[..end].to_owned()));
-            match path.as_str() {
-                "task" | "task.kind" => unknown.extend(["task", "adaptive", "response"]),
-                "adaptive" | "adaptive.method" => unknown.push("adaptive"),
-                // Pictures bring their factors.
-                "stimulus" | "stimulus.files" => {
-                    unknown.push("factors");
-                    unread.extend(["design.order", "task.along"].map(str::to_owned));
-                }
-                _ => {}
+/// Returns the definition with this content of its file. `place` is where its pictures are; without it, they are only
+/// described.
+///
+/// # Errors
+/// Returns every error.
+fn protocol(mut written: Map<String, Value>, place: Option<Place<'_>>) -> Result<Protocol, Vec<DefinitionError>> {
+    let (mut errors, is_recorded) = (DefinitionErrors::default(), place.is_none());
+    let has_name = written.contains_key("name");
+    let [stimulus_table, factors_table, task_table, adaptive_table, response, participant] =
+        TABLES.map(|key| match written.shift_remove(key)? {
+            Value::Object(table) => Some(table),
+            other => {
+                add_unexpected(&mut errors, key, key, &other, "a table");
+                None
             }
-        }
-        let follows = |DefinitionError { path, .. }: &DefinitionError| {
-            unread.contains(path) || unknown.contains(&path.split('.').next().unwrap_or(path))
-        };
-        errors.0.extend(protocol.err().unwrap_or_default().into_iter().filter(|error| !follows(error)));
-        Err(errors.0)
+        });
+    let all = TableReader { path: "", table: written, taken: TABLES.to_vec(), errors: &mut errors }.read();
+    let mut definition = Definition { schema: 1, ..all };
+    if !has_name {
+        errors.add("name", "name is missing; expected name = …");
+        "unnamed".clone_into(&mut definition.name);
     }
+    if definition.title.is_empty() {
+        definition.title.clone_from(&definition.name);
+    }
+    let is_picture = |table: &Map<String, Value>| table.get("kind").is_some_and(|kind| kind == Picture::KIND);
+    (definition.stimulus, definition.factors) = match stimulus_table {
+        Some(table) if is_picture(&table) => {
+            let level = definition.recovery.level;
+            let picture = pictures(table, place, [&factors_table, &task_table], level, &mut errors);
+            let factors = picture.factors().into_iter().map(|(name, levels)| Factor { name, levels }).collect();
+            (picture.into(), factors)
+        }
+        table => {
+            let stimulus = stimulus(table.as_ref(), &mut errors);
+            let factors = factors(factors_table.unwrap_or_default(), &stimulus, &mut errors);
+            (stimulus, factors)
+        }
+    };
+    let task = task_table.map(|table| task(table, &mut errors)).unwrap_or_default();
+    definition.adaptive = adaptive_table.map(|table| adaptive(table, &mut errors));
+    definition.response = scale(response.unwrap_or_default(), &task, &mut errors);
+    let of_pictures = matches!(definition.stimulus, Stimulus::Image(_));
+    task.instruct(&mut definition.instructions, &definition.response, of_pictures);
+    definition.task = task;
+    definition.participant =
+        participant.into_iter().flatten().filter_map(|field| question(field, &mut errors)).collect();
+    let protocol = Protocol::new(definition);
+    let protocol = if is_recorded { protocol } else { protocol.and_then(Protocol::with_effect) };
+    if errors.0.is_empty() {
+        return protocol;
+    }
+    // A value that could not be read would only cause follow-up errors, as would the options of an unknown kind.
+    let (mut unread, mut unknown) = (HashSet::new(), Vec::new());
+    for DefinitionError { path, .. } in &errors.0 {
+        unread.insert(path.clone());
+        // A list or a table without one of its items is not read, either.
+        unread.extend(path.match_indices('.').skip(1).map(|(end, _)| path[..end].to_owned()));
+        match path.as_str() {
+            "task" | "task.kind" => unknown.extend(["task", "adaptive", "response"]),
+            "adaptive" | "adaptive.method" => unknown.push("adaptive"),
+            // Pictures bring their factors.
+            "stimulus" | "stimulus.files" => {
+                unknown.push("factors");
+                unread.extend(["design.order", "task.along"].map(str::to_owned));
+            }
+            _ => {}
+        }
+    }
+    let follows = |DefinitionError { path, .. }: &DefinitionError| {
+        unread.contains(path) || unknown.contains(&path.split('.').next().unwrap_or(path))
+    };
+    errors.0.extend(protocol.err().unwrap_or_default().into_iter().filter(|error| !follows(error)));
+    Err(errors.0)
+}
 
-    /// Returns the study's own pictures.
-    fn pictures(&mut self, place: Option<Place<'_>>, errors: &mut DefinitionErrors) -> Picture {
-        let mut table = std::mem::take(&mut self.stimulus);
-        table.shift_remove("kind");
-        let Some(place) = place else {
-            return TableReader { path: "stimulus", table, taken: Vec::new(), errors }.read::<Gallery>().into();
-        };
-        for key in self.factors.keys() {
-            errors.add(format!("factors.{key}"), "pictures have their factors in pictures.csv; expected no [factors]");
-        }
-        let written = ["kind", "files", "show", "size"];
-        for key in table.keys().filter(|key| !written.contains(&key.as_str())) {
-            errors.add(format!("stimulus.{key}"), unknown_key("stimulus", key, &written));
-        }
-        table.retain(|key, _| written.contains(&key.as_str()));
-        let reference = self.task.as_ref().and_then(|task| task.get("reference")?.get(Picture::PICTURE)?.as_str());
-        pictures::gallery(table, place, reference, self.recovery.level, errors).into()
+/// Returns the study's own pictures. `factors` and `task` are these tables of the definition.
+fn pictures(
+    mut table: Map<String, Value>,
+    place: Option<Place<'_>>,
+    [factors, task]: [&Option<Map<String, Value>>; 2],
+    background: f64,
+    errors: &mut DefinitionErrors,
+) -> Picture {
+    table.shift_remove("kind");
+    let Some(place) = place else {
+        return TableReader { path: "stimulus", table, taken: Vec::new(), errors }.read::<Gallery>().into();
+    };
+    for key in factors.iter().flat_map(Map::keys) {
+        errors.add(format!("factors.{key}"), "pictures have their factors in pictures.csv; expected no [factors]");
     }
+    let written = ["kind", "files", "show", "size"];
+    for key in table.keys().filter(|key| !written.contains(&key.as_str())) {
+        errors.add(format!("stimulus.{key}"), unknown_key("stimulus", key, &written));
+    }
+    table.retain(|key, _| written.contains(&key.as_str()));
+    let reference = task.as_ref().and_then(|task| task.get("reference")?.get(Picture::PICTURE)?.as_str());
+    pictures::gallery(table, place, reference, background, errors).into()
+}
+
+/// Returns a question about the participant.
+fn question((name, spec): (String, Value), errors: &mut DefinitionErrors) -> Option<ParticipantField> {
+    let path = format!("participant.{name}");
+    let Value::Object(table) = spec else {
+        add_unexpected(errors, &path, &path, &spec, "a table");
+        return None;
+    };
+    let read = TableReader { path: &path, table, taken: Vec::new(), errors }.read();
+    Some(ParticipantField { name, ..read })
 }
 
 fn add_unexpected(errors: &mut DefinitionErrors, path: &str, name: &str, value: &Value, expected: &str) {
@@ -313,17 +299,19 @@ fn add_unexpected(errors: &mut DefinitionErrors, path: &str, name: &str, value: 
     errors.add(path, format!("{name} is {found}; expected {expected}"));
 }
 
-fn stimulus(given: &Map<String, Value>, errors: &mut DefinitionErrors) -> Stimulus {
-    let kind = given.get("kind").map(|kind| (kind, kind.as_str().unwrap_or_default()));
+fn stimulus(given: Option<&Map<String, Value>>, errors: &mut DefinitionErrors) -> Stimulus {
+    let kind = given.and_then(|given| given.get("kind")).map(|kind| (kind, kind.as_str().unwrap_or_default()));
     let Some(mut stimulus) = kind.and_then(|(_, name)| Stimulus::default_of(name)) else {
         let message = match kind {
             Some((kind, name)) => format!("kind {kind} is not known; {}", expected_one_of(name, KINDS)),
+            // That it is no table was already said.
+            None if errors.0.iter().any(|error| error.path == "stimulus") => return Stimulus::default(),
             None => "stimulus.kind is missing; expected kind = …".to_owned(),
         };
         errors.add("stimulus.kind", message);
         return Stimulus::default();
     };
-    for (name, value) in given.iter().filter(|(name, _)| *name != "kind") {
+    for (name, value) in given.into_iter().flatten().filter(|(name, _)| *name != "kind") {
         let path = format!("stimulus.{name}");
         match parameter(value) {
             _ if !is_known(&stimulus, "stimulus", name, errors) => {}
@@ -418,19 +406,25 @@ fn adaptive(mut table: Map<String, Value>, errors: &mut DefinitionErrors) -> Ada
     Adaptive { common, method }
 }
 
-fn scale(written: WrittenScale, default_scale: ResponseScale, errors: &mut DefinitionErrors) -> ResponseScale {
-    let labels = written
-        .labels
-        .unwrap_or_else(|| default_scale.categories.iter().map(|category| category.label.clone()).collect());
+fn scale(table: Map<String, Value>, task: &Task, errors: &mut DefinitionErrors) -> ResponseScale {
+    let WrittenScale { question, labels, keys } =
+        TableReader { path: "response", table, taken: Vec::new(), errors }.read();
+    let default_scale = task.scale();
+    let labels =
+        labels.unwrap_or_else(|| default_scale.categories.iter().map(|category| category.label.clone()).collect());
     let count = labels.len();
     let default = |answer| default_scale.default_key(answer, count).unwrap_or(' ');
-    let keys = written.keys.unwrap_or_else(|| (0..count).map(default).collect());
-    if keys.len() != count {
+    let usual = || (0..count).map(default).collect();
+    let keys: Vec<char> = keys.unwrap_or_else(usual);
+    // A definition that was written with all its keys has those that its labels would have.
+    if task.dial().is_some() && keys != usual() {
+        errors.add("response.keys", "participants set a value; expected no keys");
+    } else if keys.len() != count {
         let message = format!("response.keys has length {}; expected {count}, one for each label", keys.len());
         errors.add("response.keys", message);
     }
     // A missing key has already been reported; its digit stands in for it.
     let keys = (0..count).map(|rating| keys.get(rating).copied().unwrap_or_else(|| default(rating)));
     let categories = labels.into_iter().zip(keys).map(|(label, key)| Category { label, key }).collect();
-    ResponseScale { question: written.question.unwrap_or(default_scale.question), categories }
+    ResponseScale { question: question.unwrap_or(default_scale.question), categories }
 }

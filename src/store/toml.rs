@@ -41,17 +41,10 @@ pub(super) fn read<'t, T: DeserializeOwned>(file: &'t str, text: &'t str) -> Res
         Some(other) => document.error("schema", format!("schema is {other}; expected 1")),
         None => document.error("schema", "schema is missing; expected schema = 1"),
     }
-    let read = without_unread(value, |path, message| {
-        if let Some(field) = message.strip_prefix("missing field `") {
-            let field = field.trim_end_matches('`');
-            let name = format!("{path}.{field}");
-            let name = name.trim_start_matches('.');
-            document.error(name, format!("{name} is missing; expected {field} = …"));
-        } else {
-            let place = document.locate(path);
-            document.errors.push((place, explained(path, message, &[]), path.to_owned()));
-            document.unread.push(place);
-        }
+    let read = without_unread(value, "", &[], |path, message| {
+        let place = document.locate(path);
+        document.errors.push((place, message, path.to_owned()));
+        document.unread.push(place);
     });
     match read {
         Some(read) => Ok((read, document)),
@@ -59,29 +52,45 @@ pub(super) fn read<'t, T: DeserializeOwned>(file: &'t str, text: &'t str) -> Res
     }
 }
 
-/// Deserializes a value. Each part of it that cannot be read is reported, with its path and what is wrong, and then removed.
-/// `None` if too little is left.
-fn without_unread<T: DeserializeOwned>(mut value: Value, mut report: impl FnMut(&str, &str)) -> Option<T> {
+/// Deserializes the value at the path `table`, which also has the keys `taken`. Each part of it that cannot be read is
+/// reported, with its path and what is wrong, and then removed. `None` if too little is left.
+fn without_unread<T: DeserializeOwned>(
+    mut value: Value,
+    table: &str,
+    taken: &[&str],
+    mut report: impl FnMut(&str, String),
+) -> Option<T> {
     for _ in 0..=MAX_UNREAD {
         let error = match serde_path_to_error::deserialize::<_, T>(&value) {
             Ok(read) => return Some(read),
             Err(error) => error,
         };
-        let path = error.path().to_string().replace('[', ".").replace(']', "");
+        let inner = error.path().to_string().replace('[', ".").replace(']', "");
         // A single dot stands for the whole value.
+        let inner = inner.trim_matches('.');
+        let message = error.inner().to_string();
+        let missing = message.strip_prefix("missing field `").map(|field| field.trim_end_matches('`'));
+        let path = [table, inner, missing.unwrap_or_default()].join(".").replace("..", ".");
         let path = path.trim_matches('.');
-        report(path, &error.inner().to_string());
-        if !remove(&mut value, path) {
+        let taken = if inner.contains('.') { &[] } else { taken };
+        report(
+            path,
+            match missing {
+                Some(field) => format!("{path} is missing; expected {field} = …"),
+                None => explained(path, &message, taken),
+            },
+        );
+        if !remove(&mut value, inner) {
             break;
         }
     }
     None
 }
 
-/// Reads the options of a task or of an adaptive method from a table of a definition.
+/// Reads a table of a definition, such as the options of a task or of an adaptive method.
 pub(super) struct TableReader<'e> {
-    /// The path of the table in the definition.
-    pub path: &'static str,
+    /// The path of the table in the definition; empty for the whole definition.
+    pub path: &'e str,
     /// The keys and values that are left.
     pub table: Map<String, Value>,
     /// The keys that were taken from it, or could have been.
@@ -92,12 +101,10 @@ pub(super) struct TableReader<'e> {
 
 impl OptionReader for TableReader<'_> {
     fn read<T: DeserializeOwned + Default>(&mut self) -> T {
-        let read = without_unread(Value::Object(self.table.clone()), |inner, message| {
-            let path = format!("{}.{inner}", self.path);
-            let path = path.trim_matches('.');
-            let taken = if inner.contains('.') { &[] } else { &self.taken[..] };
-            let message = explained(path, message, taken);
-            let message = if message.starts_with('"') { format!("{inner} {message}") } else { message };
+        let table = Value::Object(std::mem::take(&mut self.table));
+        let read = without_unread(table, self.path, &self.taken, |path, message| {
+            let key = path.strip_prefix(self.path).unwrap_or(path).trim_start_matches('.');
+            let message = if message.starts_with('"') { format!("{key} {message}") } else { message };
             self.errors.add(path, message);
         });
         read.unwrap_or_default()

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use jiff::Timestamp;
+use jiff::{Timestamp, civil::Date, tz::TimeZone};
 
 /// The beginning of the year 0: RFC 3339 has years of four digits.
 const FIRST: Timestamp = Timestamp::constant(-62_167_219_200, 0);
@@ -18,6 +18,11 @@ fn read() -> Option<Timestamp> {
 /// time in these years: a session that is already running must not end because of it.
 pub fn now() -> Timestamp {
     read().unwrap_or(if SystemTime::now() < UNIX_EPOCH { FIRST } else { LAST })
+}
+
+/// Returns today's date in UTC.
+pub fn today() -> Date {
+    TimeZone::UTC.to_datetime(now()).date()
 }
 
 /// Checks the clock before a session begins, because its times would be wrong.

@@ -7,7 +7,7 @@ pub mod fonts;
 pub mod signals;
 mod threads;
 
-pub use clock::{after, before, check_clock, now};
+pub use clock::{after, before, check_clock, now, today};
 pub use folders::{
     config_folder, data_folder, entries, found, identified, is_of_another_user, link_target, make_private_folder,
     may_write, remove_tree, unless_missing,

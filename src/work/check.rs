@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::{Found, Watcher, image::outdated};
+use super::{Found, Watcher};
 use crate::store::{
     check::{check_large, session_of_frames},
     image::MAX_PIXELS,
@@ -43,9 +43,8 @@ impl Check {
             }
             match check_large(file, pixels) {
                 Ok(found) => {
-                    let missing = found.warning.map(|warning| format!("{}: {warning}", file.display()));
-                    let outdated = found.profile.and_then(|profile| outdated(file, &profile));
-                    outdated.iter().chain(&missing).for_each(|warning| watcher.warn(warning));
+                    let warning = found.warning.map(|warning| format!("{}: {warning}", file.display()));
+                    warning.iter().for_each(|warning| watcher.warn(warning));
                     all.add(file, found.sentence, watcher)?;
                 }
                 Err(error) => all.errors.push(error),

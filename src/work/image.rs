@@ -16,7 +16,7 @@ use crate::{
         self,
         image::{ASSUMED, Picture},
     },
-    system::now,
+    system::today,
     text::{
         names::one_of,
         number::{whole, within},
@@ -116,11 +116,6 @@ impl Encoding {
 /// Returns a warning if a measured profile should be measured again. `place` says where the profile comes from.
 pub fn outdated(place: &Path, profile: &DisplayProfile) -> Option<String> {
     profile.warning(today()).map(|warning| format!("{}: {warning}", place.display()))
-}
-
-/// Returns today's date in UTC.
-pub fn today() -> jiff::civil::Date {
-    jiff::tz::TimeZone::UTC.to_datetime(now()).date()
 }
 
 /// How many pixels an image has, and how it converts light to codes.

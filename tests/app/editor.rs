@@ -75,7 +75,7 @@ fn a_copy_is_edited_and_saved() {
     let path = folder.path().join("my-study.toml");
     std::fs::write(&path, "precious").unwrap();
     click(&mut window, "Save");
-    window.get_by_label_contains("my-study.toml: already exists; expected a name that no file");
+    window.get_by_label_contains("my-study.toml: already exists; expected a new file");
     assert_eq!(std::fs::read(&path).unwrap(), b"precious");
     std::fs::remove_file(&path).unwrap();
     window.key_press_modifiers(egui::Modifiers::COMMAND, Key::S);
@@ -125,11 +125,11 @@ fn a_question_of_ones_own_is_named() {
     add(&mut window, "height");
     choose(&mut window, "Answers to Height", "a number");
     let protocol = save_as(&mut window, "quick-copy", folder.path());
-    let fields = protocol.participant.0.iter().map(|field| (field.name.as_str(), field.kind()));
+    let fields = protocol.participant.iter().map(|field| (field.name.as_str(), field.kind()));
     let expected = [("age", FieldKind::Number), ("dominant_eye", FieldKind::Choice), ("height", FieldKind::Number)];
     assert!(fields.eq(expected), "{:?}", protocol.participant);
-    assert_eq!(protocol.participant.0[1].choices(), ["left", "right", "unknown"]);
-    assert_eq!(protocol.participant.0[1].label(), "Your dominant eye");
+    assert_eq!(protocol.participant[1].choices(), ["left", "right", "unknown"]);
+    assert_eq!(protocol.participant[1].label(), "Your dominant eye");
 }
 
 /// The form has every task, and their methods with levels to begin with.

@@ -164,7 +164,7 @@ fn a_study_is_edited_in_place() {
     let protocol = definition::open(&path).unwrap();
     assert_eq!(protocol.response.highest(), 3);
     assert_eq!(protocol.response.categories[0].label, "nothing");
-    assert_eq!(protocol.participant.0[0].name, "age");
+    assert_eq!(protocol.participant[0].name, "age");
     // What another program wrote meanwhile is not lost.
     click(&mut window, "Edit");
     type_into(&mut window, "Repetitions", "4");

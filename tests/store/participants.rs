@@ -52,7 +52,7 @@ fn table(path: &Path) -> Vec<Vec<String>> {
 #[test]
 fn answers_are_checked_in_the_form_in_which_people_give_them() {
     let asking = asking();
-    let fields = &asking.participant.0;
+    let fields = &asking.participant;
     let field = |name: &str| fields.iter().find(|field| field.name == name).unwrap();
     let texts = &asking.instructions;
     let age = |typed: &str| field("age").answer(typed, texts);

@@ -5,13 +5,13 @@ use std::{
     path::Path,
 };
 
-use eframe::egui::{Align, ComboBox, Id, Layout, Response, TextEdit, Ui};
+use eframe::egui::{Align, ComboBox, Layout, Response, TextEdit, Ui};
 
 use crate::{
     app::ui::{self, Field, parameter, theme::Icon},
     experiment::Protocol,
     report::names::{self, capitalized},
-    stimulus::{Parameter, Stimulus, picture::Picture},
+    stimulus::{Parameter, catalog},
     store::{
         FileError, FileErrors, definition,
         draft::{Draft, Typed},
@@ -58,20 +58,9 @@ impl DefinitionForm {
             folder.clone_into(&mut draft.folder);
             let name = draft.get("name").unwrap_or_else(|| "my-study".to_owned());
             draft.remove_opening_comment();
-            // A copy of `quick-copy` is `quick-copy-2`, and its title loses only what the copy added.
-            let number =
-                |text: &str| if text.is_empty() { Some(1) } else { text.strip_prefix('-')?.parse::<u32>().ok() };
-            let copied = name.rsplit_once("-copy").and_then(|(first, text)| Some((first, number(text)?)));
-            let (first, before) = copied.unwrap_or((&name, 0));
-            let [was, is] = [before, before.saturating_add(1)].map(|number| match number {
-                0 => [String::new(), String::new()],
-                1 => ["-copy".to_owned(), " (copy)".to_owned()],
-                _ => [format!("-copy-{number}"), format!(" (copy {number})")],
-            });
-            draft.set("name", &format!("{first}{}", is[0]), Typed::Text);
+            draft.set("name", &copied(&name, ["-copy", "-", ""]), Typed::Text);
             if let Some(title) = draft.get("title") {
-                let title = title.strip_suffix(&was[1]).unwrap_or(&title);
-                draft.set("title", &format!("{title}{}", is[1]), Typed::Text);
+                draft.set("title", &copied(&title, [" (copy", " ", ")"]), Typed::Text);
             }
             if draft.get("session.own_means").is_some() {
                 // A first look may show people their own ratings; a study begins without.
@@ -96,11 +85,7 @@ impl DefinitionForm {
 
     /// Returns the parameters of the stimulus.
     pub fn parameters(&self) -> &'static [Parameter] {
-        let kind = self.value("stimulus.kind", "");
-        if kind == Picture::KIND {
-            return Picture::PARAMETERS;
-        }
-        Stimulus::default_of(&kind).map_or(&[], |stimulus| stimulus.parameters())
+        catalog::parameters(&self.value("stimulus.kind", ""))
     }
 
     /// Returns the parameters that no factor varies.
@@ -273,25 +258,21 @@ impl DefinitionForm {
             let parameter = self.parameters().iter().find(|parameter| parameter.name == name);
             let about = parameter.map_or_else(String::new, |p| format!("{}: {}", p.description, p.expected));
             let words = names::factor(Some(self.parameters()), &name);
-            let label = if removed.is_empty() { self.factor(&name) } else { format!("{field}{words}") };
+            let named = format!("{field}{words}");
+            let label = if removed.is_empty() { self.factor(&name) } else { named.clone() };
             let (mut text, error) = (self.value(&key, ""), self.error(&key));
-            let mut line = |ui: &mut Ui, of: Id| {
+            let line = |ui: &mut Ui| {
                 let width = (ui.available_width() - 100.0).clamp(120.0, 300.0);
                 // A long list wraps.
                 let edit = TextEdit::multiline(&mut text).id_salt(&key).desired_rows(1).desired_width(width);
                 let edit = ui.add(edit.return_key(None)).on_hover_text(&about);
-                let edit = if removed.is_empty() {
-                    ui::text::name(ui, &edit, &format!("{field}{words}"));
-                    edit
-                } else {
-                    edit.labelled_by(of)
-                };
+                ui::text::name(ui, &edit, &named);
                 let remove = ui::quiet(ui, Icon::Close, "", &format!("Remove {removed}{words}"));
                 (edit.changed(), remove.clicked())
             };
             let layout = Layout::left_to_right(Align::TOP).with_main_wrap(true);
             let row = Field::new(&label).column(LABELS).slot().error(&error);
-            let (changed, remove) = row.show(ui, |ui, label| ui.with_layout(layout, |ui| line(ui, label)).inner);
+            let (changed, remove) = row.show(ui, |ui, _| ui.with_layout(layout, line).inner);
             if changed {
                 self.type_value(&key, &text, typed);
             }
@@ -319,6 +300,21 @@ impl DefinitionForm {
         } else {
             self.type_value(key, &text, typed);
         }
+    }
+}
+
+/// Returns the name or the title of a copy: `quick-copy` for `quick`, and `quick-copy-2` for that. `mark` is what the first
+/// copy adds, what precedes the number of a further one, and what follows.
+fn copied(text: &str, mark: [&str; 3]) -> String {
+    let [copy, before, end] = mark;
+    let number = |rest: &str| match rest.strip_suffix(end)? {
+        "" => Some(1),
+        number => number.strip_prefix(before)?.parse::<u32>().ok(),
+    };
+    let earlier = text.rsplit_once(copy).and_then(|(first, rest)| Some((first, number(rest)?)));
+    match earlier {
+        None => format!("{text}{copy}{end}"),
+        Some((first, number)) => format!("{first}{copy}{before}{}{end}", number.saturating_add(1)),
     }
 }
 

@@ -242,7 +242,7 @@ impl Editor {
         }
         let when = if is_stale { ", before the errors" } else { "" };
         self.preview.show(ui, protocol, form.revision, when);
-        self.thumbnails.show(ui, protocol, form.revision, when);
+        self.thumbnails.show(ui, protocol, when);
     }
 
     /// Asks whether to discard the changes; returns whether the user agreed.

@@ -1,6 +1,6 @@
 //! What one trial shows, and the stimuli of all conditions.
 
-use eframe::egui::{Align2, FontId, Id, Rect, Sense, TextureHandle, Ui, Vec2, vec2};
+use eframe::egui::{Align2, FontId, Rect, Sense, TextureHandle, Ui, Vec2, vec2};
 
 use crate::{
     app::ui::{
@@ -90,10 +90,13 @@ fn first_trial(protocol: &Protocol) -> Option<Presentation> {
     Some(course.presentation(trial))
 }
 
+/// A stimulus and its factors, and how many conditions are shown at most.
+type Design = (Stimulus, Vec<Factor>, usize);
+
 #[derive(Default)]
 pub struct Thumbnails {
-    /// The number of conditions and those that are shown, by the revision of the form.
-    listed: Kept<u64, (usize, Vec<Thumbnail>)>,
+    /// The number of conditions, and those that are shown.
+    listed: Kept<Design, (usize, Vec<Thumbnail>)>,
     drawn: Drawn<(Vec<Stimulus>, u32)>,
 }
 
@@ -107,8 +110,8 @@ struct Thumbnail {
 
 impl Thumbnails {
     /// Draws the number of conditions, followed by `when`, and their stimuli.
-    pub fn show(&mut self, ui: &mut Ui, protocol: &Protocol, revision: u64, when: &str) {
-        let (n, all) = self.update(ui, protocol, revision, THUMBNAIL, MAX_THUMBNAILS);
+    pub fn show(&mut self, ui: &mut Ui, protocol: &Protocol, when: &str) {
+        let (n, all) = self.update(ui, protocol, THUMBNAIL, MAX_THUMBNAILS);
         ui::section(ui, count(*n as u64, "condition") + when);
         if *n > all.len() {
             ui::hint(ui, format!("{} of them are shown, from all parts of the design.", all.len()));
@@ -122,24 +125,16 @@ impl Thumbnails {
 
     /// Draws one line of stimuli, from all parts of the design.
     pub fn strip(&mut self, ui: &mut Ui, protocol: &Protocol) {
-        let key = (&protocol.name, &protocol.stimulus, &protocol.factors);
-        let revision = Id::unique(format!("{key:?}")).value();
         let shown = ((ui.available_width() + GAP) / (STRIP + GAP)).max(1.0) as usize;
-        let (_, all) = self.update(ui, protocol, revision, STRIP, shown);
+        let (_, all) = self.update(ui, protocol, STRIP, shown);
         ui.horizontal(|ui| all.iter().for_each(|thumbnail| thumbnail.picture(ui, STRIP)));
     }
 
-    /// Lists up to `most` conditions, from all parts of the design, if the revision is another one, and draws their
-    /// pictures with this side, points. Until they are ready, those of the same stimuli stay.
-    fn update(
-        &mut self,
-        ui: &Ui,
-        protocol: &Protocol,
-        revision: u64,
-        side: f32,
-        most: usize,
-    ) -> &(usize, Vec<Thumbnail>) {
-        let listed = self.listed.get(revision, || thumbnails(protocol, most));
+    /// Lists up to `most` conditions, from all parts of the design, and draws their pictures with this side, points. Until
+    /// they are ready, those of the same stimuli stay.
+    fn update(&mut self, ui: &Ui, protocol: &Protocol, side: f32, most: usize) -> &(usize, Vec<Thumbnail>) {
+        let key = (protocol.stimulus.clone(), protocol.factors.clone(), most);
+        let listed = self.listed.get(key, || thumbnails(protocol, most));
         let px = (side * ui.ctx().pixels_per_point()).round() as u32;
         let stimuli: Vec<Stimulus> = listed.1.iter().map(|thumbnail| thumbnail.stimulus.clone()).collect();
         let drawn = self.drawn.get(ui.ctx(), (stimuli.clone(), px), px, || stimuli);

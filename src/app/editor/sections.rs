@@ -10,9 +10,7 @@ use super::{
 };
 use crate::{
     app::ui::{self, Field, FileKind, theme::Icon},
-    experiment::{
-        Design, FieldSpec, ParticipantField, ParticipantFields, Plan, Recovery, SessionRules, Texts, ViewingPlan,
-    },
+    experiment::{Design, ParticipantField, Plan, Recovery, SessionRules, Texts, ViewingPlan},
     report::names::capitalized,
     stimulus::{
         KINDS, Stimulus, catalog,
@@ -164,7 +162,7 @@ fn participant(form: &mut DefinitionForm, ui: &mut Ui) {
     let names = form.draft.keys("participant");
     names.iter().for_each(|name| question(form, ui, name));
     let is_new = |name: &str| !name.is_empty() && !names.iter().any(|other| other == name);
-    let known = ParticipantFields::known_names().filter(|name| is_new(name)).map(str::to_owned);
+    let known = ParticipantField::known_names().filter(|name| is_new(name)).map(str::to_owned);
     let mut added = add(ui, "Add a question", known.map(|name| (name.clone(), capitalized(&name))));
     let mut own = form.value(OWN, "");
     ui.horizontal_wrapped(|ui| {
@@ -196,12 +194,11 @@ const ANSWERS: [&str; 3] = ["any text", "a number", "one of several"];
 /// Draws a question.
 fn question(form: &mut DefinitionForm, ui: &mut Ui, name: &str) {
     let key = format!("participant.{name}");
-    let own = !ParticipantFields::known_names().any(|known| known == name);
+    let own = !ParticipantField::known_names().any(|known| known == name);
     let shown = capitalized(&name.replace('_', " "));
     let draft = &form.draft;
-    let spec =
-        FieldSpec { choices: draft.texts(&format!("{key}.choices")).unwrap_or_default(), ..FieldSpec::default() };
-    let asked = ParticipantField { name: name.to_owned(), spec };
+    let choices = draft.texts(&format!("{key}.choices")).unwrap_or_default();
+    let asked = ParticipantField { name: name.to_owned(), choices, ..ParticipantField::default() };
     let flag = |part: &str| draft.get(&format!("{key}.{part}"));
     let is_consent = flag("text").is_some();
     let was_required = flag("required").as_deref() != Some("false");

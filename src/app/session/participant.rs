@@ -4,7 +4,7 @@ use eframe::egui::{self, Key, Modifiers, Ui};
 
 use crate::{
     app::ui::{self, Field, Step, theme, today},
-    experiment::{Answers, FieldKind, MAX_ANSWER, ParticipantField, ParticipantFields, Texts},
+    experiment::{Answers, FieldKind, MAX_ANSWER, ParticipantField, Texts},
 };
 
 /// Width of the column of labels, points.
@@ -12,7 +12,7 @@ const LABELS: f32 = 220.0;
 
 /// The questions of a definition and the answers so far.
 pub struct ParticipantPage {
-    fields: ParticipantFields,
+    fields: Vec<ParticipantField>,
     texts: Texts,
     /// The answers as typed or chosen, one for each field.
     typed: Vec<String>,
@@ -25,9 +25,9 @@ pub struct ParticipantPage {
 }
 
 impl ParticipantPage {
-    pub fn new(fields: &ParticipantFields, texts: &Texts) -> Self {
-        let typed = vec![String::new(); fields.0.len()];
-        Self { fields: fields.clone(), texts: texts.clone(), typed, tried: false, focus: Some(0), on_choice: false }
+    pub fn new(fields: &[ParticipantField], texts: &Texts) -> Self {
+        let typed = vec![String::new(); fields.len()];
+        Self { fields: fields.to_vec(), texts: texts.clone(), typed, tried: false, focus: Some(0), on_choice: false }
     }
 
     /// Draws the page; returns the answers once they are complete. `refused` says why the session could not begin.
@@ -41,7 +41,7 @@ impl ParticipantPage {
             ui::paragraph(ui, &self.texts.about_you_text);
             ui.add_space(theme::GAP);
             let focus = self.focus.take();
-            for (at, (field, typed)) in self.fields.0.iter().zip(&mut self.typed).enumerate() {
+            for (at, (field, typed)) in self.fields.iter().zip(&mut self.typed).enumerate() {
                 let error = match field.answer(typed, &self.texts) {
                     // An empty field is not an error before the participant tries to continue.
                     Err(error) if self.tried || !typed.trim().is_empty() => error,
@@ -81,7 +81,7 @@ impl ParticipantPage {
     /// Returns all answers, or the first field whose answer is not accepted.
     fn answers(&self) -> Result<Answers, usize> {
         let mut answers = Answers::new();
-        for (at, (field, typed)) in self.fields.0.iter().zip(&self.typed).enumerate() {
+        for (at, (field, typed)) in self.fields.iter().zip(&self.typed).enumerate() {
             if let Some(answer) = field.answer(typed, &self.texts).map_err(|_| at)? {
                 answers.insert(field.name.clone(), answer);
             }
@@ -99,9 +99,9 @@ fn draw(
     error: &str,
     on_choice: &mut bool,
 ) -> Option<egui::Response> {
-    let mark = if field.spec.required { " *" } else { "" };
+    let mark = if field.required { " *" } else { "" };
     let label = field.label() + mark;
-    if let Some(text) = &field.spec.text {
+    if let Some(text) = &field.text {
         let tick = agreement(ui, &label, text, typed, &format!("{}{mark}", texts.agree), error);
         *on_choice |= tick.has_focus();
         return Some(tick);
@@ -115,7 +115,7 @@ fn draw(
     form.show(ui, |ui, _| {
         let mut first = None;
         ui.horizontal_wrapped(|ui| {
-            let none = (!field.spec.required).then_some(("", texts.no_answer.as_str()));
+            let none = (!field.required).then_some(("", texts.no_answer.as_str()));
             for (choice, shown) in field.options().into_iter().chain(none) {
                 let radio = ui.radio(typed == choice, shown);
                 if radio.clicked() {

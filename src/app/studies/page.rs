@@ -11,9 +11,8 @@ use eframe::egui::{self, Align, CentralPanel, Frame, Layout, Panel, Rect, RichTe
 use super::{
     form::{self, Checked, SessionForm},
     grid::{Action, Cell, Grid, Sessions},
-    jobs::{Checked as FilesChecked, Job, Made},
+    jobs::{Job, Made, RequestForm},
     list::StudyList,
-    request_form::RequestForm,
 };
 use crate::{
     app::{
@@ -31,7 +30,7 @@ use crate::{
         session::overview::SessionState,
         settings::{Settings, remember},
     },
-    work::RequestError,
+    work::{Found, RequestError},
 };
 
 /// Width of the list of studies, and of the column of cards, points: in a wide window, and in a narrower one.
@@ -93,11 +92,13 @@ pub struct Studies {
     pub(super) job: Option<Job>,
     /// The dialog that started the job.
     asked: Option<Box<RequestForm>>,
-    /// What the last check found.
-    pub(super) found: FilesChecked,
+    /// What the last check found, and in which folder.
+    pub(super) found: (PathBuf, Found),
     /// Why the last session that was chosen could not be resumed.
     pub(super) error: Option<String>,
     pub(super) started: bool,
+    /// Where this frame leads.
+    pub(super) next: Option<Destination>,
     /// Whether the dialog of a session or of a definition was just opened, so that its first field gets the focus.
     pub(super) opening: bool,
 }
@@ -149,7 +150,7 @@ impl Studies {
         self.list.update(ui.ctx(), &settings.recent.experiments);
         let results = self.form.results();
         self.sessions.update(ui, &results);
-        let mut next = self.take_made(ui.ctx());
+        self.next = self.take_made(ui.ctx());
         let wide = usize::from(ui.ctx().content_rect().width() < WIDE);
         if ui.ctx().content_rect().width() >= NARROW {
             let frame = Frame::NONE.inner_margin(egui::Margin::symmetric(12, LARGE_GAP as i8));
@@ -161,14 +162,14 @@ impl Studies {
         CentralPanel::default().frame(Frame::NONE.inner_margin(MARGIN)).show(ui, |ui| {
             ScrollArea::vertical().id_salt("page").auto_shrink(false).show(ui, |ui| {
                 ui.set_max_width(ui.available_width().min(theme::CONTENT));
-                next = self.title(ui, &mut now).or(next.take());
+                self.title(ui, &mut now);
                 let below = height - (ui.cursor().top() - ui.max_rect().top());
                 let size = egui::vec2(ui.available_width(), below.max(LEAST));
                 let place = UiBuilder::new().max_rect(Rect::from_min_size(ui.cursor().min, size));
-                let place = ui.scope_builder(place, |ui| self.place(ui, CARDS[wide], &mut now));
-                next = place.inner.or(next.take());
+                ui.scope_builder(place, |ui| self.place(ui, CARDS[wide], &mut now));
             });
         });
+        let next = self.next.take();
         let dialog = self.open.take().and_then(|open| self.dialog(ui, open, &mut now));
         self.screen.measure(ui.ctx(), &mut self.form.screen, monitor);
         dialog.or(next).map_or(Step::Stay, Step::Next)
@@ -220,15 +221,15 @@ impl Studies {
     }
 
     /// Draws the place of the chosen study, below its title.
-    fn place(&mut self, ui: &mut Ui, cards: f32, now: &mut Now<'_>) -> Option<Destination> {
+    fn place(&mut self, ui: &mut Ui, cards: f32, now: &mut Now<'_>) {
         let checked = now.checked.clone();
         let Some(protocol) = &checked.protocol else {
             ui.add_space(LARGE_GAP);
             ui::text::errors(ui, checked.error(form::EXPERIMENT));
-            return None;
+            return;
         };
         ui.add_space(LARGE_GAP);
-        let mut next = self.actions(ui, protocol, now);
+        self.actions(ui, protocol, now);
         ui.add_space(LARGE_GAP);
         if ui.available_width() >= ROOM_FOR_CARDS {
             let frame = Frame::NONE.inner_margin(egui::Margin { left: LARGE_GAP as i8, ..Default::default() });
@@ -242,13 +243,13 @@ impl Studies {
         }
         let new = Cell::first(&self.suggested);
         let selected = self.selected.clone().unwrap_or_else(|| new.clone());
-        next = self.detail(ui, &selected, now).or(next);
-        let grid = Grid::new(self.sessions.of(&protocol.name), protocol.plan, new, &self.found.wrong);
+        self.detail(ui, &selected, now);
+        let grid = Grid::new(self.sessions.of(&protocol.name), protocol.plan, new, &self.found.1.wrong);
         let chosen = grid.show(ui, &selected, self.open.is_none());
         if let Some((cell, action)) = chosen {
             match action {
                 Action::Select => {}
-                Action::Enter => next = self.enter(ui, &cell, now).or(next),
+                Action::Enter => self.enter(ui, &cell, now),
                 Action::Remove => {
                     let empty = self.recorded(&cell).filter(SessionState::is_empty);
                     self.open = empty.map(|session| Open::Removal(Box::new(session)));
@@ -256,7 +257,6 @@ impl Studies {
             }
             self.selected = Some(cell);
         }
-        next
     }
 }
 
@@ -353,14 +353,14 @@ impl Studies {
                     ui::complain(ctx, told);
                 }
             }
-            Ok(Made::Checked(found)) => {
-                let sessions = count(found.sessions as u64, "session");
-                found.errors.iter().rev().for_each(|error| ui::complain(ctx, error));
+            Ok(Made::Checked(folder, found)) => {
+                let sessions = count(found.files.len() as u64, "session");
+                found.errors.iter().rev().for_each(|error| ui::complain(ctx, error.to_string()));
                 match found.errors.len() as u64 {
                     0 => ui::say(ctx, format!("{sessions} checked; no errors")),
                     n => ui::complain(ctx, format!("{sessions} checked; {}", count(n, "error"))),
                 }
-                self.found = found;
+                self.found = (folder, found);
             }
             Ok(Made::Planned(planned)) => self.open = Some(Open::Planned(planned)),
             Ok(Made::Told(text)) => ui::say(ctx, text),

@@ -248,12 +248,12 @@ pub(super) fn participants(
     let columns = participants.columns.iter();
     let mut described: Map<_, _> = columns.map(|name| (name.clone(), json!({ "Description": name }))).collect();
     let protocols = experiments.iter().flat_map(|one| &one.sessions).map(|session| &session.protocol);
-    for field in protocols.flat_map(|protocol| &protocol.participant.0) {
+    for field in protocols.flat_map(|protocol| &protocol.participant) {
         let (description, unit) = field.description();
         let Some(entry) = described.get_mut(&field.name) else { continue };
         entry["Description"] = description.into();
         unit.into_iter().for_each(|unit| entry["Units"] = unit.into());
-        field.spec.text.iter().for_each(|text| entry["Text"] = text.as_str().into());
+        field.text.iter().for_each(|text| entry["Text"] = text.as_str().into());
         let levels = field.options().into_iter().filter(|_| field.kind() == FieldKind::Choice);
         levels.for_each(|(choice, label)| entry["Levels"][choice] = label.into());
     }

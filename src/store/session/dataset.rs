@@ -12,7 +12,7 @@ use std::{
 use serde_json::{Value, json};
 
 use crate::{
-    experiment::{Answers, Column, Definition, Identity, ParticipantFields, Protocol, columns},
+    experiment::{Answers, Column, Definition, Identity, ParticipantField, Protocol, columns},
     store::{
         FileError, FileErrors, StoreError,
         error::io,
@@ -463,7 +463,7 @@ fn is_of(row: &[String], subject: &str) -> bool {
 pub(super) fn enter(
     dataset: &Path,
     subject: &str,
-    fields: &ParticipantFields,
+    fields: &[ParticipantField],
     answers: &Answers,
 ) -> Result<(), StoreError> {
     // The table is replaced as a whole, so it cannot be locked itself. The program never replaces the list of changes.
@@ -472,7 +472,7 @@ pub(super) fn enter(
         let cell = |value: &Value| {
             value.as_str().map_or_else(|| value.to_string(), |text| text.replace(['\t', '\n', '\r'], " "))
         };
-        table.put(subject, fields.0.iter().map(|field| (&*field.name, answers.get(&field.name).map(cell))));
+        table.put(subject, fields.iter().map(|field| (&*field.name, answers.get(&field.name).map(cell))));
         write_whole(&dataset.join(PARTICIPANTS), table.text().as_bytes(), true)
     })
 }

@@ -1,42 +1,46 @@
-//! The title of a study, and what can be done with it.
+//! What stands around the grid of a study: its title, what can be done with it, the cards beside it, and the selected session
+//! below it.
 
 use std::path::{Path, PathBuf};
 
-use eframe::egui::{self, Align, Layout, RichText, Ui};
+use clap::ValueEnum as _;
+use eframe::egui::{self, Align, Color32, Frame, Layout, Panel, RichText, Ui};
 
 use super::{
-    grid::Cell,
-    jobs::{DEVIATIONS, EFFECTS, Job},
+    grid::{self, Cell},
+    jobs::{DEVIATIONS, EFFECTS, Job, RequestForm},
     page::{Destination, LIST, Now, Open, Studies},
-    request_form::RequestForm,
 };
 use crate::{
     app::ui::{
         self, action, main_action, menu, quiet,
-        theme::{self, Icon, NARROW},
+        theme::{self, Icon, KEY, LARGE_GAP, NARROW, SECTION, ink},
     },
-    experiment::Protocol,
-    report::document::numbers::count,
+    experiment::{Factor, Protocol},
+    report::{document::numbers::count, names},
+    stimulus::ParameterValue,
     store::{
         definition::{self, BUILT_IN},
         draft::Draft,
         session::overview::SessionState,
     },
     system::found,
+    work::simulate::ObserverKind,
 };
 
 /// In a page narrower than this, in points, all but beginning and resuming sessions is in a menu.
 const ROOM_FOR_ALL: f32 = 816.0;
 /// Number of simulated participants if none is planned.
 const PARTICIPANTS: u32 = 8;
+/// In a card at least this wide, in points, a session and its buttons need one line.
+const ONE_LINE: f32 = 800.0;
 
 impl Studies {
     /// Draws the title of the study, its extent, and what is rarely needed.
-    pub(super) fn title(&mut self, ui: &mut Ui, now: &mut Now<'_>) -> Option<Destination> {
+    pub(super) fn title(&mut self, ui: &mut Ui, now: &mut Now<'_>) {
         let Now { checked, settings, .. } = now;
         let experiment = self.form.experiment.trim().to_owned();
         let is_built_in = BUILT_IN.iter().any(|built_in| built_in.name == experiment);
-        let mut next = None;
         // The buttons are at the right edge, and Tab reaches them from left to right.
         let id = ui.scope_id().with("buttons");
         let width: f32 = ui.data(|data| data.get_temp(id)).unwrap_or_default();
@@ -46,7 +50,7 @@ impl Studies {
                 ui.set_width(room);
                 let file = Path::new(&experiment).file_name().unwrap_or_default().to_string_lossy().into_owned();
                 let title = checked.protocol.as_ref().map_or(file.as_str(), |protocol| &protocol.title);
-                ui::paragraph(ui, RichText::new(title).heading().color(theme::ink(ui).ink));
+                ui::paragraph(ui, RichText::new(title).heading().color(ink(ui).ink));
                 if let Some(protocol) = &checked.protocol {
                     ui::hint(ui, facts(file, protocol));
                 }
@@ -67,10 +71,11 @@ impl Studies {
                     let text = definition::text(Path::new(&experiment));
                     let draft = text.and_then(|text| Draft::parse(&experiment, &text));
                     let name = draft.ok().and_then(|draft| draft.get("name")).unwrap_or_default();
-                    next = Some(Destination::Editor(experiment.clone(), Some(self.sessions.of(&name).count())));
+                    let sessions = self.sessions.of(&name).count();
+                    self.next = Some(Destination::Editor(experiment.clone(), Some(sessions)));
                 }
                 if quiet(ui, Icon::Plus, word("Duplicate as…"), "Duplicate as…").clicked() {
-                    next = Some(Destination::Editor(experiment.clone(), None));
+                    self.next = Some(Destination::Editor(experiment.clone(), None));
                 }
                 let more = quiet(ui, Icon::More, "", "More");
                 menu(&more, |ui| {
@@ -93,13 +98,10 @@ impl Studies {
             ui.data_mut(|data| data.insert_temp(id, needed.inner));
             ui.ctx().request_discard("the buttons have another width");
         }
-        next
     }
 
     /// Draws what can be done with the study.
-    pub(super) fn actions(&mut self, ui: &mut Ui, protocol: &Protocol, now: &mut Now<'_>) -> Option<Destination> {
-        let mut next = None;
-        let folder = self.folder();
+    pub(super) fn actions(&mut self, ui: &mut Ui, protocol: &Protocol, now: &mut Now<'_>) {
         let unfinished = self.sessions.of(&protocol.name).find(|session| !session.complete).cloned();
         let is_wide = ui.available_width() >= ROOM_FOR_ALL;
         ui.horizontal(|ui| {
@@ -114,14 +116,13 @@ impl Studies {
                 let resume = action(ui, Icon::Resume, "Resume").on_hover_text(title);
                 ui::text::name(ui, &resume, title);
                 if let Some(session) = unfinished.filter(|_| resume.clicked()) {
-                    next = self.resume(ui, &session, now);
+                    self.next = self.resume(ui, &session, now);
                 }
             });
-            let mut rest = |ui: &mut Ui| next = self.rest(ui, protocol, &folder).or(next.take());
             if is_wide {
-                rest(ui);
+                self.rest(ui, protocol);
             } else {
-                menu(&quiet(ui, Icon::More, "", "More actions"), rest);
+                menu(&quiet(ui, Icon::More, "", "More actions"), |ui| self.rest(ui, protocol));
             }
         });
         // The room for the progress is there before and after.
@@ -131,19 +132,17 @@ impl Studies {
                 job.show(ui);
             }
         });
-        next
     }
 
     /// Draws what can be done besides beginning and resuming sessions.
-    fn rest(&mut self, ui: &mut Ui, protocol: &Protocol, folder: &Path) -> Option<Destination> {
+    fn rest(&mut self, ui: &mut Ui, protocol: &Protocol) {
+        let folder = self.folder();
         // The result of a job that another one replaced would be lost.
         let is_free = self.job.is_none();
         let has_sessions = self.sessions.of(&protocol.name).next().is_some();
-        ui.add_enabled_ui(is_free, |ui| {
-            if action(ui, Icon::Pilot, "Simulate a pilot…").clicked() {
-                self.open = Some(Open::Request(Box::new(self.pilot(protocol))));
-            }
-        });
+        if ui.add_enabled_ui(is_free, |ui| action(ui, Icon::Pilot, "Simulate a pilot…").clicked()).inner {
+            self.open = Some(Open::Request(Box::new(self.pilot(protocol))));
+        }
         let clicked = |ui: &mut Ui, enabled: bool, icon: Icon, text: &str, name: &str| {
             ui.add_enabled_ui(enabled, |ui| quiet(ui, icon, text, name).clicked()).inner
         };
@@ -151,13 +150,14 @@ impl Studies {
             self.open = Some(Open::Request(Box::new(self.plan(protocol))));
         }
         if clicked(ui, has_sessions && is_free, Icon::Check, "Check", "Check") {
-            self.job = Some(Job::check(ui.ctx(), folder.to_owned()));
+            self.job = Some(Job::check(ui.ctx(), folder.clone()));
         }
-        let analyzes = clicked(ui, has_sessions, Icon::Analyze, "Analyze", "Analyze this study");
+        if clicked(ui, has_sessions, Icon::Analyze, "Analyze", "Analyze this study") {
+            self.next = Some(Destination::Analysis(folder.clone()));
+        }
         if clicked(ui, has_sessions && is_free, Icon::Out, "Export…", "Export…") {
-            self.open = Some(Open::Request(Box::new(export(folder))));
+            self.open = Some(Open::Request(Box::new(export(&folder))));
         }
-        analyzes.then(|| Destination::Analysis(folder.to_owned()))
     }
 
     /// Returns the dialog that finds how many participants the study needs.
@@ -183,16 +183,15 @@ impl Studies {
     fn pilot(&self, protocol: &Protocol) -> RequestForm {
         // Simulated sessions never lie among those of people.
         let free = free(|number| self.form.results().with_file_name(format!("{}-pilot-{number}", protocol.name)));
-        // The findings of the paper are about ratings.
-        let observer = if protocol.task.is_default() { "paper" } else { "vision" };
+        let observer = ObserverKind::usual(protocol).to_possible_value();
+        let observer = observer.map_or_else(String::new, |kind| kind.get_name().to_owned());
         let participants = protocol.plan.participants.unwrap_or(PARTICIPANTS).to_string();
         let about = format!(
             "Simulated observers do every trial, and their answers are analyzed as those of people would be. The files go \
                 into the new folder {}.",
             free.display()
         );
-        let shown =
-            [("participants", "Participants", participants, ""), ("observer", "Observer", observer.to_owned(), "")];
+        let shown = [("participants", "Participants", participants, ""), ("observer", "Observer", observer, "")];
         let given = [("experiment", self.form.experiment.clone()), ("results", free.display().to_string())];
         let protocol = protocol.clone();
         RequestForm::new(["Simulate a pilot", "Simulate"], about, &shown, &given, move |ctx, request| {
@@ -215,19 +214,159 @@ impl Studies {
     }
 
     /// Resumes, begins or opens the session of a cell.
-    pub(super) fn enter(&mut self, ui: &Ui, cell: &Cell, now: &mut Now<'_>) -> Option<Destination> {
+    pub(super) fn enter(&mut self, ui: &Ui, cell: &Cell, now: &mut Now<'_>) {
         match self.recorded(cell) {
             None if self.form.cell == *cell => {
-                let begun = self.begin_checked(ui, now);
-                self.opening = begun.is_none();
+                self.next = self.begin_checked(ui, now);
+                self.opening = self.next.is_none();
                 self.open = self.opening.then_some(Open::Session);
-                return begun;
             }
             None => self.open_session(cell.clone()),
             Some(session) if session.complete => open(ui, &session.csv),
-            Some(session) => return self.resume(ui, &session, now),
+            Some(session) => self.next = self.resume(ui, &session, now),
         }
-        None
+    }
+
+    /// Draws the card of the selected session at the lower edge.
+    pub(super) fn detail(&mut self, ui: &mut Ui, cell: &Cell, now: &mut Now<'_>) {
+        let session = self.recorded(cell);
+        let panel = Panel::bottom("detail").resizable(false).show_separator_line(false).frame(Frame::NONE);
+        panel.show(ui, |ui| {
+            for error in self.sessions.errors() {
+                ui::show_error(ui, error.lines().next().unwrap_or_default());
+            }
+            if let Some(error) = &self.error
+                && self.open.is_none()
+            {
+                ui::show_error(ui, error);
+            }
+            let name = now.checked.protocol.as_ref().map_or("", |protocol| &protocol.name);
+            if self.sessions.of(name).next().is_some() {
+                grid::key(ui);
+            } else if self.sessions.errors().is_empty() {
+                ui::hint(ui, format!("No sessions yet. They are saved in {}.", self.folder().display()));
+                ui.add_space(theme::SMALL_GAP);
+            }
+            theme::card(ui).show(ui, |ui| {
+                ui.set_min_width(ui.available_width());
+                // A session that needs a second line must not move what is above.
+                let lines = if ui.available_width() < ONE_LINE { 2.0 } else { 1.0 };
+                ui.set_min_height(lines * (theme::CONTROL + theme::SMALL_GAP) - theme::SMALL_GAP);
+                ui.horizontal_wrapped(|ui| {
+                    ui.label(RichText::new(cell.title()).strong().size(SECTION));
+                    let Some(session) = &session else {
+                        Icon::Play.show(ui, ink(ui).text);
+                        ui::hint(ui, "Not begun.");
+                        return;
+                    };
+                    let (icon, color, told) = grid::told(session, &self.found.1.wrong, ink(ui));
+                    icon.show(ui, color);
+                    // An unreadable session has no date.
+                    let day = session.started_at.get(..10).map(|day| format!(" (last used on {day})"));
+                    ui.label(RichText::new(told + &day.unwrap_or_default()).small().color(color));
+                    if !session.complete && action(ui, Icon::Resume, "Resume").clicked() {
+                        self.next = self.resume(ui, session, now);
+                    }
+                    if ui.button("Open the file").clicked() {
+                        open(ui, &session.csv);
+                    }
+                    if session.is_empty() && ui.button("Remove…").clicked() {
+                        self.open = Some(Open::Removal(Box::new(session.clone())));
+                    }
+                });
+            });
+        });
+    }
+
+    /// Draws what is planned against what is there, the last check, and the stimuli.
+    pub(super) fn cards(&mut self, ui: &mut Ui, protocol: &Protocol) {
+        let people = self.sessions.participants(&protocol.name);
+        let sessions: Vec<_> = self.sessions.of(&protocol.name).collect();
+        let number = |of: &dyn Fn(&SessionState) -> bool| sessions.iter().filter(|session| of(session)).count();
+        let card = |ui: &mut Ui, add: &mut dyn FnMut(&mut Ui)| {
+            theme::card(ui).show(ui, |ui| {
+                ui.set_width(ui.available_width());
+                add(ui);
+            });
+            ui.add_space(LARGE_GAP - ui.spacing().item_spacing.y);
+        };
+        card(ui, &mut |ui| {
+            let planned = protocol.plan.participants;
+            let whose = match planned {
+                Some(planned) => format!("of {planned} participants planned"),
+                None if people == 1 => "participant".to_owned(),
+                None => "participants".to_owned(),
+            };
+            ui.horizontal_wrapped(|ui| {
+                ui.label(RichText::new(people.to_string()).strong().size(KEY));
+                ui.label(RichText::new(whose).weak());
+            });
+            let finished = number(&|session| session.complete && !session.is_damaged());
+            let all = planned.map_or(sessions.len(), |planned| (planned * protocol.plan.sessions) as usize);
+            if planned.is_some() {
+                let share = finished as f32 / all.max(1) as f32;
+                let fill = if finished > 0 { ink(ui).dim } else { Color32::TRANSPARENT };
+                ui.add(egui::ProgressBar::new(share).desired_height(4.0).fill(fill));
+            }
+            if all > 0 {
+                ui::hint(ui, format!("{finished} of {} finished.", count(all as u64, "session")));
+            }
+            let hash = definition::hash(protocol);
+            let simulated = number(&|session| session.simulated);
+            let others = number(&|session| session.is_readable && session.definition_sha256 != hash);
+            for (n, what, note) in [
+                (simulated, "Simulated (a program answered)", ""),
+                (others, "Recorded with another definition of this name", " Only one is analyzed at a time."),
+            ] {
+                if n > 0 {
+                    ui::note(ui, format!("{what}: {}.{note}", count(n as u64, "session")));
+                }
+            }
+        });
+        let found = Some(&self.found).filter(|(folder, _)| *folder == self.folder()).map(|(_, found)| found);
+        card(ui, &mut |ui| {
+            ui.horizontal(|ui| {
+                ui.label(RichText::new("Check").strong().size(SECTION));
+                let Some(found) = found else { return };
+                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                    let (text, color, icon) = match found.errors.len() as u64 {
+                        0 => ("no errors".to_owned(), ink(ui).good, Icon::Check),
+                        n => (count(n, "error"), ink(ui).bad, Icon::Warn),
+                    };
+                    ui.label(RichText::new(text).small().color(color));
+                    icon.show(ui, color);
+                });
+            });
+            match found {
+                None => ui::hint(ui, "Check renders every picture again and compares every row with the seed."),
+                Some(found) if found.errors.is_empty() => {
+                    let sessions = count(found.files.len() as u64, "session");
+                    ui::hint(ui, format!("{sessions}: every row follows from its seed, and no file was changed."));
+                }
+                Some(found) => {
+                    found.errors.iter().take(3).for_each(|error| ui::show_error(ui, error.to_string()));
+                    if found.errors.len() > 3 {
+                        ui::hint(ui, format!("and {} more", found.errors.len() - 3));
+                    }
+                }
+            }
+        });
+        card(ui, &mut |ui| {
+            ui.label(RichText::new("Stimuli").strong().size(SECTION));
+            self.thumbnails.strip(ui, protocol);
+            let known = Some(protocol.stimulus.parameters());
+            let levels = |factor: &Factor| {
+                let level = |level: &ParameterValue| names::level(known, &factor.name, &level.to_string()).to_string();
+                let levels = match factor.levels.as_slice() {
+                    [first, _, .., last] => format!("{} to {}", level(first), level(last)),
+                    few => few.iter().map(level).collect::<Vec<_>>().join(" and "),
+                };
+                format!("{} {levels}", names::factor(known, &factor.name))
+            };
+            let factors: Vec<String> = protocol.factors.iter().map(levels).collect();
+            let conditions = count(protocol.conditions().len() as u64, "condition");
+            ui::hint(ui, if factors.is_empty() { conditions } else { format!("{conditions}: {}", factors.join(", ")) });
+        });
     }
 }
 
@@ -269,7 +408,7 @@ fn export(folder: &Path) -> RequestForm {
 }
 
 /// Opens a file or a folder with the desktop's program for it.
-pub(super) fn open(ui: &Ui, path: &Path) {
+fn open(ui: &Ui, path: &Path) {
     if let Some(error) = ui::open(path) {
         ui::complain(ui.ctx(), error);
     }
