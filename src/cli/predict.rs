@@ -2,9 +2,11 @@
 
 use super::{Bar, OutPath, count, print_data, print_line, report_written};
 use crate::{
-    report::prediction::Comparison,
     store::{Writer, observer, ratings::Source},
-    work::predict::{Predict, Predictions},
+    work::{
+        criterion::Comparison,
+        predict::{Predict, Predictions},
+    },
 };
 
 /// Predict how visible the Mach bands of one stimulus are, or those of every condition of a definition.
@@ -49,7 +51,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     } else {
         print_comparison(&found, &source)?;
     }
-    super::analyze::problems(&source.warnings, &source.errors)
+    super::analyze::problems([&source.errors, &source.warnings])
 }
 
 fn print_comparison(found: &Comparison, source: &Source) -> anyhow::Result<()> {

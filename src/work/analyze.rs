@@ -10,7 +10,7 @@ use serde::Serialize;
 use super::{RequestError, Watcher, request::allow_only};
 use crate::{
     analysis::{
-        Link, MAX_COEFFICIENTS, ModelError, Options, Random, Resampling, Results, Slopes, analyze_with,
+        Link, MAX_COEFFICIENTS, ModelError, Options, Random, Resampling, Slopes, analyze_with,
         counts::{Counts, Exclusions},
         number_of, numbers_of,
         tasks::psychometric::{self, Guess},
@@ -18,8 +18,8 @@ use crate::{
     },
     experiment::task::{Common, Curve, Easier},
     report::{
-        Study, StudyError,
-        tasks::{self, Levels, TaskStudy},
+        Analyzed, Study, StudyError,
+        tasks::{self, Levels, TaskResults, TaskStudy},
     },
     store::{
         Columns, FileError, FileErrors, StoreError,
@@ -353,18 +353,39 @@ impl Analyze {
         Ok(())
     }
 
+    /// Reads and analyzes ratings, or the answers to another task.
+    ///
+    /// # Errors
+    /// The same errors as [`Analyze::read_task`], [`Analyze::read`] and [`Analyze::analyze`].
+    pub fn run(&self, watcher: &dyn Watcher) -> anyhow::Result<Analyzed> {
+        if let Some(study) = self.read_task()? {
+            watcher.stage("analyzing");
+            return Ok(self.analyze_task(study));
+        }
+        let study = self.read()?;
+        watcher.stage("analyzing");
+        Ok(self.analyze(study, watcher)?)
+    }
+
     /// Analyzes the ratings. The watcher learns the number of simulated studies that are done, and of all.
     ///
     /// # Errors
     /// The requested model is impossible.
-    pub fn analyze(&self, study: &Study, watcher: &dyn Watcher) -> Result<Results, RequestError> {
-        self.check(study)?;
+    pub fn analyze(&self, study: Study, watcher: &dyn Watcher) -> Result<Analyzed, RequestError> {
+        self.check(&study)?;
         let progress = |done: usize, all: usize| watcher.progress(done as u64, all as u64);
-        let results = analyze_with(study.measured.clone(), &self.options(&study.source), &progress);
+        let Study { source, measured } = study;
+        let results = analyze_with(measured, &self.options(&source), &progress);
         match results.model.as_ref().err().and_then(refused) {
             Some(error) => Err(error),
-            None => Ok(results),
+            None => Ok(Analyzed::Ratings(source.into(), results.into())),
         }
+    }
+
+    /// Analyzes the answers to a task.
+    pub fn analyze_task(&self, study: TaskStudy) -> Analyzed {
+        let results = TaskResults::of(&study, self.resampling.seed);
+        Analyzed::Task(study.into(), results.into())
     }
 }
 

@@ -9,6 +9,7 @@ mod analyze;
 pub mod calibrate;
 mod check;
 pub mod compare;
+pub mod criterion;
 mod drawn;
 mod export;
 mod findings;

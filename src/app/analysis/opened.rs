@@ -1,23 +1,20 @@
 //! What the results of ratings and of other tasks share: the column of controls beside the sections; the export, which
 //! writes the files that `machband analyze` writes, or copies the command; and the files as they were when they were read.
 
-use std::{
-    path::{Path, PathBuf},
-    sync::Arc,
-    time::SystemTime,
-};
+use std::{path::PathBuf, sync::Arc, time::SystemTime};
 
 use eframe::egui::{self, CentralPanel, CollapsingHeader, Frame, Panel, RichText, ScrollArea};
 
 use crate::{
+    analysis::counts::Exclusions,
     app::ui::{
         Field, FileKind, Saving, Step, browse, complain, folded, full, heading, open, paragraph, pinned, say,
         text::{self, two_lines},
         theme::{self, ink},
         work::{BackgroundTask, Lost},
     },
-    report::{Provenance, document::numbers::whole, study::shell_command},
-    store::{FileError, StoreError, Writer, ratings::with_files},
+    report::{Analyzed, Provenance, document::numbers::whole, study::shell_command},
+    store::{FileError, StoreError, ratings::with_files},
     system::{found, now},
     work::{Analyze, words},
 };
@@ -52,7 +49,7 @@ pub trait Opened {
     fn controls(&mut self, ui: &mut egui::Ui, files: &Files) -> Option<Analyze>;
 
     /// Returns what is asked for, if anything is selected, and the results if they are of that.
-    fn exported(&self) -> (Option<&Analyze>, Option<Exported<'_>>);
+    fn exported(&self) -> (Option<&Analyze>, Option<&Arc<Analyzed>>);
 
     /// Draws of which data the section at an address is, and how far a newer analysis is.
     fn state(&mut self, _: &mut egui::Ui, _: &str) {}
@@ -160,7 +157,7 @@ impl Shell {
 
     fn export(&mut self, ui: &mut egui::Ui, opened: &dyn Opened, is_stale: bool) {
         let (request, exported) = opened.exported();
-        self.export.show(ui, request, exported.as_ref().filter(|_| !is_stale));
+        self.export.show(ui, request, exported.filter(|_| !is_stale));
     }
 }
 
@@ -227,15 +224,9 @@ pub struct Export {
     written: Option<PathBuf>,
 }
 
-/// Writes the files of an analysis into a folder; returns their number.
-type Write = dyn Fn(&Writer, &Provenance, &Path) -> Result<usize, StoreError> + Send + Sync;
-
-pub struct Exported<'a> {
-    /// What was requested.
-    pub request: &'a Analyze,
-    /// Whether something is excluded.
-    pub is_filtered: bool,
-    pub write: Arc<Write>,
+/// Returns whether a request excludes something.
+pub fn is_filtered(request: &Analyze) -> bool {
+    Exclusions::from(&request.ratings.how) != Exclusions::default()
 }
 
 impl Export {
@@ -248,16 +239,22 @@ impl Export {
     }
 
     /// Draws the controls. Nothing can be exported while no results are shown; `request` is what was asked for.
-    pub fn show(&mut self, ui: &mut egui::Ui, request: Option<&Analyze>, exported: Option<&Exported<'_>>) {
+    pub fn show(&mut self, ui: &mut egui::Ui, request: Option<&Analyze>, analyzed: Option<&Arc<Analyzed>>) {
         self.take_outcome(ui.ctx());
         let width = ui.available_width();
         let mut changed = self.saving.field(ui, Field::new("Export to the folder").width(width)).changed();
         ui.horizontal_wrapped(|ui| {
             let folder = self.saving.path();
-            let ready = exported.is_some() && self.work.is_none() && !folder.as_os_str().is_empty();
+            let ready = analyzed.is_some() && self.work.is_none() && !folder.as_os_str().is_empty();
             let writer = self.saving.button(ui, "Export", ready, &self.inputs);
-            if let Some((exported, writer)) = exported.zip(writer) {
-                self.start(ui.ctx(), folder, writer, exported);
+            if let Some(((analyzed, request), writer)) = analyzed.zip(request).zip(writer) {
+                self.written = None;
+                let (analyzed, made, to) = (analyzed.clone(), self.command(request), folder.clone());
+                let work = move || {
+                    let files = analyzed.write(&writer, &to, &Provenance::new(made, now()), false)?;
+                    Ok(files.len())
+                };
+                self.work = Some((folder, BackgroundTask::start(ui.ctx(), work)));
             }
             let name = "Choose the folder to export to…";
             changed |= browse(ui, FileKind::Folder, name, &mut self.saving.typed);
@@ -279,7 +276,7 @@ impl Export {
             ui.ctx().copy_text(command.clone());
             say(ui.ctx(), format!("Copied: {command}"));
         }
-        let included = match exported.map(|exported| exported.is_filtered) {
+        let included = match request.filter(|_| analyzed.is_some()).map(is_filtered) {
             None => "",
             Some(false) => "The export includes all data.",
             Some(true) => "The export includes only the data shown.",
@@ -317,13 +314,6 @@ impl Export {
             ui.add_enabled(is_ready, egui::Button::new("Copy as command")).clicked()
         })
         .inner
-    }
-
-    fn start(&mut self, ctx: &egui::Context, folder: PathBuf, writer: Writer, exported: &Exported<'_>) {
-        self.written = None;
-        let (write, to, command) = (exported.write.clone(), folder.clone(), self.command(exported.request));
-        let work = move || write(&writer, &Provenance::new(command, now()), &to);
-        self.work = Some((folder, BackgroundTask::start(ctx, work)));
     }
 
     /// Returns the command that repeats the request.

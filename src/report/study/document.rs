@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::{
     description, health, methods, model,
     provenance::{self, Provenance},
-    summary, vision,
+    summary,
 };
 use crate::{
     analysis::{
@@ -16,7 +16,6 @@ use crate::{
     report::{
         document::{Document, count, list},
         figures::Figure,
-        prediction::StudyPrediction,
     },
     store::{
         Columns, FileError, FileErrors,
@@ -163,21 +162,9 @@ fn add(builder: &mut MeasuredBuilder, row: &RatingRow<'_>) -> Result<(), String>
     builder.add(row)
 }
 
-/// What a document shows in addition to the results.
-#[derive(Clone, Copy, Default)]
-pub struct Parts<'a> {
-    /// The charts.
-    pub figures: &'a [Figure],
-    /// Predictions of the vision model for the analyzed ratings; `figures` must include their charts. Without
-    /// predictions, there is no section about that model.
-    pub prediction: Option<&'a Result<StudyPrediction, String>>,
-    /// How to repeat the analysis, for readers who do not have it open.
-    pub provenance: Option<&'a Provenance>,
-}
-
-/// Describes a study in a document.
-pub fn document(source: &Source, results: &Results, parts: Parts<'_>) -> Document {
-    let Parts { figures, prediction, provenance } = parts;
+/// Describes a study in a document with these charts; `provenance` says how to repeat the analysis, for readers who do not
+/// have it open.
+pub fn document(source: &Source, results: &Results, figures: &[Figure], provenance: Option<&Provenance>) -> Document {
     let (methods, references) = methods::sections(source, results);
     let mut sections = vec![
         summary::section(source, results),
@@ -185,9 +172,9 @@ pub fn document(source: &Source, results: &Results, parts: Parts<'_>) -> Documen
         description::section(results, figures),
         model::section(results, figures),
         description::agreement(results),
+        methods,
+        references,
     ];
-    sections.extend(prediction.map(|prediction| vision::section(source, results, prediction, figures)));
-    sections.extend([methods, references]);
     sections.extend(provenance.map(|provenance| provenance::section(source, provenance)));
     let (title, subtitle) = match &source.protocol {
         Some(protocol) => {
