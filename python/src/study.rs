@@ -8,7 +8,7 @@ use std::{
 use machband::{
     analysis::Note,
     experiment,
-    report::{self, Analyzed, Contents, Provenance, StudyError, study::shell_command},
+    report::{self, Analyzed, Contents, Provenance, study::shell_command},
     stimulus::Stimulus,
     store::{
         FileError, FileErrors, Writer,
@@ -114,7 +114,7 @@ pub fn analyze(
     let command = if columns.is_some() { table } else { shell_command(words) };
     let found = job::run(py, progress, false, move |job| {
         let refused = |errors: &[FileError], is_many: bool| match errors {
-            [_, ..] if !drop_errors || is_many => Err(StudyError::Files(FileErrors(errors.to_vec()))),
+            [_, ..] if !drop_errors || is_many => Err(FileErrors(errors.to_vec())),
             _ => Ok(()),
         };
         let task = columns.as_ref().map_or_else(|| asked.read_task(), |columns| asked.answers_in(TABLE, columns))?;

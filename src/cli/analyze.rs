@@ -13,7 +13,7 @@ use crate::{
         ratings::{FileRead, Source},
     },
     system::now,
-    work::{Analyze, Ratings, Watcher as _, check_order, explained, words},
+    work::{Analyze, Ratings, Watcher as _, words},
 };
 
 /// Analyze ratings: descriptive statistics, ordinal model, tests, figures and a report.
@@ -101,8 +101,8 @@ pub(super) struct CountsArguments {
 
 pub(super) fn counts(arguments: &CountsArguments, writer: &Writer) -> anyhow::Result<()> {
     let progress = super::Bar::new("reading");
-    let study = arguments.ratings.read(Default::default(), false, true).map_err(explained)?;
-    check_order(&study, true)?;
+    let study = arguments.ratings.read(Default::default(), false, true)?;
+    study.check_order(true)?;
     let counts = &study.measured.counts;
     writer.write(&arguments.out, &tables::counts_csv(counts, &study.source.shape))?;
     progress.clear();

@@ -62,9 +62,9 @@ pub(crate) fn level(known: impl Into<Known>, factor: &str, level: &str) -> Shown
 /// Formats a level as [`level`], with at most this many significant digits behind a point.
 pub(crate) fn rounded_level(known: impl Into<Known>, factor: &str, level: &str, most: usize) -> Shown {
     let (known, number) = (known.into(), number_of(level));
-    let text = match level {
-        "" | MISSING => "(none)".to_owned(),
-        "inf" => "∞".to_owned(),
+    let text = match number {
+        _ if ["", MISSING].contains(&level) => "(none)".to_owned(),
+        Some(f64::INFINITY) => "∞".to_owned(),
         _ => {
             let digits = level.chars().filter(char::is_ascii_digit).count();
             let rounded = number

@@ -23,12 +23,14 @@ pub mod shade;
 pub mod simulate;
 pub mod stimuli;
 pub mod stimulus;
+mod study;
 pub mod verify;
 
-pub use analyze::{Analyze, Model, Ratings, check_order, explained};
+pub use analyze::{Analyze, Model, Ratings};
 pub use check::Check;
 pub use drawn::Drawn;
 pub use export::Export;
 pub use image::{Encoded, Encoding, Image, Luminances, outdated, today};
 pub use repair::Repair;
 pub use request::{FittedPath, Found, NewFolder, OutPath, Request, RequestError, Watcher, from_names, told, words};
+pub use study::Study;

@@ -5,13 +5,11 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use super::{
-    Drawn, Encoded, Encoding, FittedPath, Luminances, Ratings, RequestError, Watcher,
+    Drawn, Encoded, Encoding, FittedPath, Luminances, Ratings, RequestError, Study, Watcher,
     criterion::{self, Comparison, LEAST, window_deg},
-    explained,
 };
 use crate::{
     experiment::{Condition, Factor, Protocol, VisionRater},
-    report::Study,
     stimulus::{Parameter, Stimulus, ViewingConditions, Visible, recipe::MAX_SIZE},
     store::{definition, observer, ratings::Source},
     text::{
@@ -167,7 +165,7 @@ impl Predict {
     /// same factors, but their stimuli were others.
     fn study(&self, protocol: &Protocol) -> anyhow::Result<Study> {
         let ratings = Ratings { paths: self.fit.clone(), ..Ratings::default() };
-        let study = ratings.read(Default::default(), false, self.large).map_err(explained)?;
+        let study = ratings.read(Default::default(), false, self.large)?;
         match &study.source.protocol {
             Some(rated) if rated.stimulus != protocol.stimulus || rated.factors != protocol.factors => {
                 let path = self.fit[0].display();

@@ -11,13 +11,13 @@ use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use machband::{
     analysis::{Options, Results, analyze, counts::Exclusions},
     report::{
-        Study,
         document::{Block, Shown},
         figures,
         study::document,
     },
     stimulus::MachBand,
     store::ratings::ReadOptions,
+    work::Study,
 };
 
 use crate::{

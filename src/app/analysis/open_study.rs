@@ -15,12 +15,12 @@ use crate::{
         complain, parameter, secondary, theme,
         work::{BackgroundTask, Lost, Steps},
     },
-    report::{Analyzed, Study, document::numbers::count},
+    report::{Analyzed, document::numbers::count},
     store::{
         FileError,
         ratings::{Reason, SessionRead},
     },
-    work::Analyze,
+    work::{Analyze, Study},
 };
 
 /// The data and its analysis.

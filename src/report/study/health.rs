@@ -162,10 +162,7 @@ fn sessions<'a>(source: &'a Source, results: &Results) -> impl Iterator<Item = &
 }
 
 /// Returns every sitting of the participants who were not excluded, with its session.
-pub(super) fn all_sittings<'a>(
-    source: &'a Source,
-    results: &Results,
-) -> impl Iterator<Item = (&'a SessionRead, &'a Sitting)> {
+fn all_sittings<'a>(source: &'a Source, results: &Results) -> impl Iterator<Item = (&'a SessionRead, &'a Sitting)> {
     sessions(source, results).flat_map(|session| sittings(session).map(move |sitting| (session, sitting)))
 }
 

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use super::{
     findings::{
-        ALPHA, evidence, is_clustered, is_slope, likelihood_ratio, main_effect, on_scale, over_range, range_of,
+        self, ALPHA, evidence, in_model, is_clustered, is_slope, main_effect, on_scale, over_range, range_of,
         ratio_test, verdict,
     },
     names,
@@ -262,11 +262,7 @@ pub(super) fn covariate(results: &Results, dependences: &[Dependence<'_>], name:
     let report = results.model.as_ref().ok()?;
     let term = main_effect(results, name).filter(|_| !is_dependent(dependences, name))?;
     let shown = names::factor(results, name);
-    let test = likelihood_ratio(results, term)?;
-    let Some(p) = test.p else {
-        let reason = test.withheld.map_or_else(String::new, |reason| format!(": {reason}"));
-        return Some(format!("The effect of {shown} could not be tested{reason}."));
-    };
+    let Some((test, p)) = in_model(results, name, false) else { return Some(findings::untested(results, name)) };
     let size = over_range(results, report, term).filter(|_| !results.spec.terms.is_marginal(term));
     let size = size.map_or_else(String::new, |size| format!(" {}.", size.text));
     Some(verdict(&shown, &ratio_test(test), p) + &size)
@@ -280,8 +276,7 @@ pub(super) fn unclear(results: &Results) -> [Vec<String>; 2] {
         let is_linear = !evidence.is_rank_test && is_slope(results, &factor.name);
         Some((factor.name.clone(), evidence.p, is_linear))
     };
-    let of_covariate =
-        |name: &String| Some((name.clone(), likelihood_ratio(results, main_effect(results, name)?)?.p?, false));
+    let of_covariate = |name: &String| Some((name.clone(), in_model(results, name, false)?.1, false));
     let notes = results.model.iter().flat_map(|report| &report.model.notes);
     // The effect of a factor includes that of what it determines.
     let nested: Vec<&String> =

@@ -15,7 +15,7 @@ mod names;
 mod provenance;
 mod summary;
 
-pub use document::{Study, StudyError, document};
+pub use document::document;
 pub(crate) use provenance::definition;
 pub use provenance::{Provenance, shell_command};
 pub use summary::{Summary, summary};
