@@ -9,6 +9,7 @@ use crate::{
         number_of,
         terms::{Term, TermPart},
     },
+    experiment::{Category, Protocol},
     stimulus::{MachBand, Parameter},
     text::Cell,
 };
@@ -99,6 +100,16 @@ pub(crate) fn heading(known: impl Into<Known>, name: &str) -> String {
         Some(_) => capitalized(&factor(known, name)),
         None => name.to_owned(),
     }
+}
+
+/// Returns the answers of a definition, such as `0 (No band)`, or `0` if this is its label.
+pub(crate) fn categories_of(protocol: &Protocol) -> Vec<String> {
+    let categories = protocol.response.categories.iter().enumerate();
+    let name = |(rating, category): (usize, &Category)| match category.label == rating.to_string() {
+        true => rating.to_string(),
+        false => format!("{rating} ({})", category.label),
+    };
+    categories.map(name).collect()
 }
 
 /// Begins a sentence with a capital letter.

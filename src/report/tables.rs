@@ -359,27 +359,19 @@ fn file_part(name: &str) -> String {
 /// Describes the model, or the reason why there is none.
 pub fn model(results: &Results) -> Value {
     let spec = &results.spec;
-    let asked = json!({
-        "terms": spec.terms.to_string(), "random": spec.random,
-    });
+    let asked = json!({ "terms": spec.terms.to_string(), "random": spec.random });
     match &results.model {
         Err(error) => json!({
             "error": error.to_string(), "asked": asked, "link": spec.link, "method": null,
             "nobs": results.measured.counts.total(), "loglik": null, "thresholds": [], "coefficients": [], "random": null,
         }),
         Ok(report) => {
-            let mut value = serde_json::to_value(&report.model).unwrap_or_default();
+            let mut value = serde_json::to_value(report).unwrap_or_default();
             let sentences: Vec<String> = report.model.notes.iter().map(ToString::to_string).collect();
             value["asked"] = asked;
-            value["aic"] = json!(report.model.aic());
             value["sentences"] = json!(sentences);
+            value["aic"] = json!(report.model.aic());
             value["bic"] = json!(report.model.bic());
-            value["likelihood_ratio"] = json!(report.terms);
-            value["interactions"] = json!(report.interactions);
-            value["order"] = json!(report.order);
-            value["comparisons"] = json!(report.comparisons);
-            value["margins"] = json!(report.margins);
-            value["checks"] = json!(report.checks);
             if !results.is_inferential() {
                 value["scope"] = json!("trials of one participant");
             }

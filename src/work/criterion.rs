@@ -13,7 +13,7 @@ use crate::{
     experiment::{Condition, Protocol},
     statistics::mean_and_sd,
     stimulus::Visible,
-    store::ratings::Source,
+    store::ratings::{SessionRead, Source},
     vision::Criterion,
 };
 
@@ -43,7 +43,7 @@ pub struct Comparison {
 /// Returns the width of the stimulus window in degrees: the mean over the sittings in the sidecars, or otherwise the
 /// value that the definition plans.
 pub(super) fn window_deg(source: &Source, protocol: &Protocol) -> f64 {
-    let sittings = source.sessions.iter().filter_map(|session| session.sidecar.as_ref()).flat_map(|s| &s.sittings);
+    let sittings = source.sessions.iter().flat_map(SessionRead::sittings);
     let widths = sittings.filter_map(|sitting| Some(sitting.viewing.as_ref()?.stimulus_deg));
     let widths: Vec<f64> = widths.filter(|deg| deg.is_finite() && *deg > 0.0).collect();
     if widths.is_empty() { protocol.viewing.window_deg } else { mean_and_sd(&widths).0 }

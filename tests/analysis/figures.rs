@@ -7,12 +7,13 @@ use std::{
 
 use machband::{
     analysis::{Options, Resampling, Results, analyze, counts::MeasuredBuilder, terms::Terms},
-    experiment::RatingRow,
     report::figures::{self, Figure},
     stimulus::MachBand,
     store::definition,
 };
 use resvg::usvg::{self, Group, Node, Tree, fontdb, roxmltree};
+
+use crate::report::add;
 
 /// Reads a chart as a browser would, in the font of the PNG.
 fn tree(figure: &Figure) -> Tree {
@@ -85,16 +86,7 @@ fn results(
             for repetition in 0..repetitions {
                 let Some(rating) = rating(subject, &levels, repetition) else { continue };
                 let seconds = 0.5 + 0.37 * ((subject * 7 + cell * 3 + repetition as usize) % 11) as f64;
-                let observation = RatingRow {
-                    subject: &format!("S{subject:03}"),
-                    values: &values,
-                    rating: &rating,
-                    count: 1,
-                    place: Some(("1", repetition)),
-                    position: None,
-                    response_time_s: Some(seconds),
-                };
-                builder.add(&observation).unwrap();
+                add(&mut builder, (&format!("S{subject:03}"), &values), &rating, Some(repetition), Some(seconds));
             }
         }
     }

@@ -63,19 +63,29 @@ pub struct Shell {
     pub files: Files,
     /// The address of the open section.
     section: &'static str,
-    export: Export,
+    /// The paths that were asked for, and the files in those that are folders. The export never replaces them.
+    inputs: Vec<PathBuf>,
+    /// The folder of the export, and the outcome of the last one.
+    saving: Saving,
+    export: Option<(PathBuf, BackgroundTask<Result<usize, StoreError>>)>,
+    /// The folder with the last export.
+    written: Option<PathBuf>,
 }
 
 impl Shell {
     /// Creates it for files that were asked for; `read` are the files that were read.
     pub fn new(files: Files, read: impl Iterator<Item = PathBuf>) -> Self {
-        let export = Export::new(&files.asked.ratings.paths, read);
-        Self { files, section: SUMMARY, export }
+        let paths = &files.asked.ratings.paths;
+        let name = paths.first().and_then(|path| path.file_stem()).filter(|name| !name.is_empty());
+        let name = name.map_or("machband".into(), |name| name.to_string_lossy());
+        let saving = Saving::to(format!("{name}-analysis"));
+        let inputs = paths.iter().cloned().chain(read).collect();
+        Self { files, section: SUMMARY, inputs, saving, export: None, written: None }
     }
 
     /// Keeps the place and the export of the same files.
     pub fn after(self, before: Self) -> Self {
-        Self { section: before.section, export: before.export, ..self }
+        Self { files: self.files, ..before }
     }
 
     /// Draws the data, which are dimmed while they are read again, and the `error` in reading them in another way.
@@ -154,11 +164,6 @@ impl Shell {
         text::errors(ui, error);
         other.or(asked.map(|asked| Request::Read(Box::new(asked))))
     }
-
-    fn export(&mut self, ui: &mut egui::Ui, opened: &dyn Opened, is_stale: bool) {
-        let (request, exported) = opened.exported();
-        self.export.show(ui, request, exported.filter(|_| !is_stale));
-    }
 }
 
 /// Lists errors or warnings about the files.
@@ -213,39 +218,22 @@ fn seen(asked: &Analyze) -> Seen {
 /// Maximum number of lines of a message. The lower edge grows upward with it.
 const MESSAGE: usize = 6;
 
-/// The folder field and the outcome of the last export.
-#[derive(Default)]
-pub struct Export {
-    /// The paths and the files in those that are folders. The export never replaces them.
-    inputs: Vec<PathBuf>,
-    work: Option<(PathBuf, BackgroundTask<Result<usize, StoreError>>)>,
-    saving: Saving,
-    /// The folder with the last export.
-    written: Option<PathBuf>,
-}
-
 /// Returns whether a request excludes something.
 pub fn is_filtered(request: &Analyze) -> bool {
     Exclusions::from(&request.ratings.how) != Exclusions::default()
 }
 
-impl Export {
-    /// Creates the controls for results from these files, which are what was found at the paths that were asked for.
-    pub fn new(paths: &[PathBuf], files: impl Iterator<Item = PathBuf>) -> Self {
-        let name = paths.first().and_then(|path| path.file_stem()).filter(|name| !name.is_empty());
-        let name = name.map_or("machband".into(), |name| name.to_string_lossy());
-        let saving = Saving::to(format!("{name}-analysis"));
-        Self { saving, inputs: paths.iter().cloned().chain(files).collect(), ..Self::default() }
-    }
-
-    /// Draws the controls. Nothing can be exported while no results are shown; `request` is what was asked for.
-    pub fn show(&mut self, ui: &mut egui::Ui, request: Option<&Analyze>, analyzed: Option<&Arc<Analyzed>>) {
+impl Shell {
+    /// Draws the controls of the export. Nothing can be exported while no results are shown.
+    fn export(&mut self, ui: &mut egui::Ui, opened: &dyn Opened, is_stale: bool) {
         self.take_outcome(ui.ctx());
+        let (request, analyzed) = opened.exported();
+        let analyzed = analyzed.filter(|_| !is_stale);
         let width = ui.available_width();
         let mut changed = self.saving.field(ui, Field::new("Export to the folder").width(width)).changed();
         ui.horizontal_wrapped(|ui| {
             let folder = self.saving.path();
-            let ready = analyzed.is_some() && self.work.is_none() && !folder.as_os_str().is_empty();
+            let ready = analyzed.is_some() && self.export.is_none() && !folder.as_os_str().is_empty();
             let writer = self.saving.button(ui, "Export", ready, &self.inputs);
             if let Some(((analyzed, request), writer)) = analyzed.zip(request).zip(writer) {
                 self.written = None;
@@ -254,7 +242,7 @@ impl Export {
                     let files = analyzed.write(&writer, &to, &Provenance::new(made, now()), false)?;
                     Ok(files.len())
                 };
-                self.work = Some((folder, BackgroundTask::start(ui.ctx(), work)));
+                self.export = Some((folder, BackgroundTask::start(ui.ctx(), work)));
             }
             let name = "Choose the folder to export to…";
             changed |= browse(ui, FileKind::Folder, name, &mut self.saving.typed);
@@ -265,7 +253,7 @@ impl Export {
         }
         let ink = ink(ui);
         let (note, color) = match self.saving.told(ui.ctx()) {
-            _ if self.work.is_some() => ("Writing…", ink.dim),
+            _ if self.export.is_some() => ("Writing…", ink.dim),
             Some(error) => (error, ink.bad),
             None => ("", ink.dim),
         };
@@ -285,7 +273,7 @@ impl Export {
     }
 
     fn take_outcome(&mut self, ctx: &egui::Context) {
-        let Some((folder, work)) = &self.work else { return };
+        let Some((folder, work)) = &self.export else { return };
         let Some(files) = work.poll() else { return };
         let files = files.unwrap_or_else(|Lost| {
             let what = "the export ended unexpectedly; expected files in the folder".to_owned();
@@ -294,7 +282,7 @@ impl Export {
         let outcome = files.map(|files| format!("{files} files written to {}", full(folder).display()));
         self.written = outcome.is_ok().then(|| folder.clone());
         self.saving.finish(folder, outcome);
-        self.work = None;
+        self.export = None;
         ctx.request_repaint();
     }
 
