@@ -17,8 +17,7 @@ use std::{
 };
 
 use machband::{
-    report::StudyError,
-    store::StoreError,
+    store::{FileErrors, StoreError},
     work::{Request, from_names, told},
 };
 use numpy::IntoPyArray as _;
@@ -42,7 +41,7 @@ fn raised(py: Python<'_>, failed: &anyhow::Error) -> PyErr {
     // The order of levels is an argument of `factors`.
     let message = told(failed, |field| if field == "levels" { "factors" } else { field }.to_owned());
     let errors = match (failed.downcast_ref(), failed.downcast_ref()) {
-        (Some(StudyError::Files(errors)), _) | (_, Some(StoreError::FileErrors(errors))) => &errors.0,
+        (Some(FileErrors(errors)), _) | (_, Some(StoreError::FileErrors(FileErrors(errors)))) => errors,
         _ => return error(message),
     };
     let rows: BTreeSet<usize> = errors.iter().flat_map(|error| error.rows.iter().copied()).collect();

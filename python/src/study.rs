@@ -6,17 +6,13 @@ use std::{
 };
 
 use machband::{
-    analysis::{Note, Results},
+    analysis::Note,
     experiment,
-    report::{
-        self, Contents, Provenance, Study, StudyError,
-        study::shell_command,
-        tasks::{self, TaskResults, TaskStudy},
-    },
+    report::{self, Analyzed, Contents, Provenance, study::shell_command},
     stimulus::Stimulus,
     store::{
         FileError, FileErrors, Writer,
-        ratings::{self, Listed, Source},
+        ratings::{self, Listed},
         results,
         sidecar::Sidecar,
     },
@@ -74,17 +70,10 @@ fn read(folder: &Path, job: &Job) -> anyhow::Result<Table> {
     Ok(Table { columns: all })
 }
 
-/// The answers of a study and their analysis.
-#[derive(Clone)]
-enum Found {
-    Ratings(Arc<Study>, Arc<Results>),
-    Task(Arc<TaskStudy>, Arc<TaskResults>),
-}
-
 /// An analysis.
 #[pyclass(frozen, module = "machband._machband")]
 pub struct Analysis {
-    found: Found,
+    found: Arc<Analyzed>,
     /// What repeats it.
     command: String,
 }
@@ -125,7 +114,7 @@ pub fn analyze(
     let command = if columns.is_some() { table } else { shell_command(words) };
     let found = job::run(py, progress, false, move |job| {
         let refused = |errors: &[FileError], is_many: bool| match errors {
-            [_, ..] if !drop_errors || is_many => Err(StudyError::Files(FileErrors(errors.to_vec()))),
+            [_, ..] if !drop_errors || is_many => Err(FileErrors(errors.to_vec())),
             _ => Ok(()),
         };
         let task = columns.as_ref().map_or_else(|| asked.read_task(), |columns| asked.answers_in(TABLE, columns))?;
@@ -134,15 +123,13 @@ pub fn analyze(
             let right: usize = study.files.iter().map(|(_, rows)| rows).sum();
             // More than 2 % of the rows. Of ratings, the library itself drops no more.
             refused(&study.errors, 49 * wrong > right)?;
-            let results = TaskResults::of(&study, asked.resampling.seed);
-            return Ok(Found::Task(Arc::new(study), Arc::new(results)));
+            return Ok(asked.analyze_task(study));
         }
         let study = columns.map_or_else(|| asked.read(), |columns| asked.read_columns(TABLE, columns))?;
         refused(&study.source.errors, false)?;
-        let results = asked.analyze(&study, job)?;
-        Ok(Found::Ratings(Arc::new(study), Arc::new(results)))
+        Ok(asked.analyze(study, job)?)
     })?;
-    Ok(Analysis { found, command })
+    Ok(Analysis { found: found.into(), command })
 }
 
 #[pymethods]
@@ -152,28 +139,16 @@ impl Analysis {
     /// deviations); the summary as text and as HTML without a page around it; the paths of the files that were read; and
     /// warnings and errors about the input. Ratings that the model cannot use are a warning.
     fn facts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let (contents, tables, document, inputs, warnings, errors, model) = match &self.found {
-            Found::Ratings(study, results) => {
-                let counts = report::tables::counts(results.modeled(), &study.source.shape);
-                let tables = report::tables::all(results).into_iter().chain([("counts".to_owned(), counts)]).collect();
-                let inputs: Vec<&PathBuf> = study.source.files.iter().map(|file| &file.path).collect();
-                let page = report::study::document(&study.source, results, report::study::Parts::default());
-                let Source { warnings, errors, .. } = &study.source;
-                let model = results.model.as_ref().ok().map(|report| &report.model);
-                (report::table_files(study, results), tables, page, inputs, warnings, errors, model)
-            }
-            Found::Task(study, results) => {
-                let tables: Vec<(String, Table)> =
-                    tasks::tables(study, results).into_iter().map(|(name, table)| (name.to_owned(), table)).collect();
-                let contents = tables.iter().map(|(name, table)| (format!("{name}.csv"), table.csv())).collect();
-                let inputs = study.files.iter().map(|(path, _)| path).collect();
-                let page = tasks::document(study, results, &[], None);
-                (contents, tables, page, inputs, &study.warnings, &study.errors, None)
-            }
-        };
+        let (mut tables, [errors, warnings]) = (self.found.tables(), self.found.problems());
+        let mut model = None;
+        if let Analyzed::Ratings(source, results) = &*self.found {
+            tables.push(("counts".to_owned(), report::tables::counts(results.modeled(), &source.shape)));
+            model = results.model.as_ref().ok().map(|report| &report.model);
+        }
         let tables = tables.into_iter().map(|(name, table)| Ok((name, described(py, table)?)));
         let size = model.map_or(0, |model| model.covariance.nrows());
         let covariance: Vec<f64> = model.iter().flat_map(|model| model.covariance.iter().copied()).collect();
+        let document = self.found.document(&[], None);
         let summary = document.sections.first();
         let lost =
             model.iter().flat_map(|model| &model.notes).filter(|note| matches!(note, Note::MissingValues { .. }));
@@ -181,11 +156,11 @@ impl Analysis {
         let texts = |errors: &[FileError]| errors.iter().map(ToString::to_string).collect::<Vec<_>>();
         let facts = PyDict::new(py);
         facts.set_item("tables", tables.collect::<PyResult<Vec<_>>>()?)?;
-        facts.set_item("files", contents)?;
+        facts.set_item("files", self.found.table_files())?;
         facts.set_item("covariance", covariance.into_pyarray(py).reshape([size, size])?)?;
         facts.set_item("summary", summary.map(report::skins::terminal).unwrap_or_default().join("\n"))?;
         facts.set_item("page", summary.map_or_else(String::new, report::skins::fragment))?;
-        facts.set_item("inputs", inputs)?;
+        facts.set_item("inputs", self.found.inputs())?;
         facts.set_item("warnings", texts(warnings).into_iter().chain(lost).collect::<Vec<_>>())?;
         facts.set_item("errors", texts(errors))?;
         Ok(facts)
@@ -194,14 +169,7 @@ impl Analysis {
     /// Returns the report and the figures: the names of files, and their contents.
     fn report_files(&self, py: Python<'_>) -> PyResult<Contents> {
         let (found, provenance) = (self.found.clone(), Provenance::new(self.command.clone(), now()));
-        job::run(py, None, false, move |_| match found {
-            Found::Ratings(study, results) => Ok(report::report_files(&study, &results, &provenance, Path::new("."))?),
-            Found::Task(study, results) => {
-                let mut contents = report::task_files(&study, &results, &provenance, Path::new("."), false)?;
-                contents.drain(..tasks::tables(&study, &results).len());
-                Ok(contents)
-            }
-        })
+        job::run(py, None, false, move |_| Ok(found.report_files(&provenance, Path::new("."))?))
     }
 }
 

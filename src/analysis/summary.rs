@@ -59,19 +59,6 @@ pub fn by_levels(counts: &Counts, factors: &[usize]) -> Vec<Group> {
     groups(counts, all.len(), |_, condition| of[condition as usize], name, true)
 }
 
-/// Returns the names and the means that [`by_levels`] would give if every participant's mean in each condition were that of
-/// `expected`; conditions without one are left out.
-pub fn means_as(counts: &Counts, factors: &[usize], expected: &[Option<f64>]) -> Vec<(Vec<String>, f64)> {
-    let Combinations { all, of } = counts.combinations(factors);
-    let placed = |_, condition, _| Some((of[condition as usize], expected.get(condition as usize).copied().flatten()?));
-    let means = of_groups(counts, all.len(), placed).into_iter().zip(&all).filter(|(means, _)| !means.is_empty());
-    let named = |(means, levels): (BTreeMap<u32, f64>, &Vec<Option<u32>>)| {
-        let names = counts.names(factors, levels).into_iter().map(str::to_owned).collect();
-        (names, means.values().sum::<f64>() / means.len() as f64)
-    };
-    means.map(named).collect()
-}
-
 /// Summarizes every level of a factor. Ratings without a level are left out.
 pub fn by_factor(counts: &Counts, factor: usize) -> Vec<Group> {
     by_levels(counts, &[factor]).into_iter().filter(|group| !group.names[0].is_empty()).collect()
@@ -102,18 +89,9 @@ pub fn means_by_subject(
     groups: usize,
     group_of: impl Fn(u32, u32) -> Option<usize>,
 ) -> Vec<BTreeMap<u32, f64>> {
-    of_groups(counts, groups, |subject, condition, mean| Some((group_of(subject, condition)?, mean)))
-}
-
-/// Averages, for each group and participant, what `placed` makes of the mean of a participant in a condition.
-fn of_groups(
-    counts: &Counts,
-    groups: usize,
-    placed: impl Fn(u32, u32, f64) -> Option<(usize, f64)>,
-) -> Vec<BTreeMap<u32, f64>> {
     let mut sums: Vec<BTreeMap<u32, (f64, f64)>> = vec![BTreeMap::new(); groups];
     for (subject, condition, mean) in cell_means(counts) {
-        let Some((group, mean)) = placed(subject, condition, mean) else { continue };
+        let Some(group) = group_of(subject, condition) else { continue };
         let (conditions, sum) = sums[group].entry(subject).or_default();
         *conditions += 1.0;
         *sum += mean;

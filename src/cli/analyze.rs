@@ -7,21 +7,13 @@ use serde::Serialize;
 use super::{Bar, OutPath};
 use crate::{
     analysis::{Options, counts::Measured, results::covariates},
-    report::{
-        Provenance, check_folder,
-        document::numbers::count,
-        skins,
-        study::{Parts, document, shell_command},
-        study_files, tables, task_files,
-        tasks::{self, TaskResults},
-        write_files,
-    },
+    report::{Provenance, check_folder, document::numbers::count, skins, study::shell_command, tables},
     store::{
         FileError, FileErrors, Writer,
         ratings::{FileRead, Source},
     },
     system::now,
-    work::{Analyze, Ratings, Watcher as _, check_order, explained, words},
+    work::{Analyze, Ratings, Watcher as _, words},
 };
 
 /// Analyze ratings: descriptive statistics, ordinal model, tests, figures and a report.
@@ -50,23 +42,11 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     let words = std::iter::once("analyze".to_owned()).chain(words(arguments));
     let provenance = Provenance::new(shell_command(words), now());
     let progress = Bar::new("reading");
-    let (contents, document, warnings, errors) = if let Some(study) = analysis.read_task()? {
-        progress.stage("analyzing");
-        let results = TaskResults::of(&study, analysis.resampling.seed);
-        progress.stage("drawing and writing");
-        let contents = task_files(&study, &results, &provenance, out, *tables_only)?;
-        (contents, tasks::document(&study, &results, &[], None), study.warnings, study.errors)
-    } else {
-        let study = analysis.read()?;
-        progress.stage("analyzing");
-        let results = analysis.analyze(&study, &progress)?;
-        progress.stage(if *tables_only { "writing" } else { "predicting, drawing and writing" });
-        let contents = study_files(&study, &results, &provenance, out, *tables_only)?;
-        let document = document(&study.source, &results, Parts::default());
-        (contents, document, study.source.warnings, study.source.errors)
-    };
-    let files = write_files(writer, out, contents)?;
+    let analyzed = analysis.run(&progress)?;
+    progress.stage(if *tables_only { "writing" } else { "drawing and writing" });
+    let files = analyzed.write(writer, out, &provenance, *tables_only)?;
     progress.clear();
+    let document = analyzed.document(&[], None);
     let mut summary = document.sections.first().into_iter().flat_map(skins::terminal);
     summary.try_for_each(|line| super::print_line(&line))?;
     let report = files.iter().find(|file| file.extension().is_some_and(|extension| extension == "html"));
@@ -75,7 +55,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
         files.len(),
         report.map_or_else(|| out.display(), |path| path.display())
     ))?;
-    problems(&warnings, &errors)
+    problems(analyzed.problems())
 }
 
 /// Summarizes in one line what was read, and how many rows were left out.
@@ -98,7 +78,7 @@ fn sentence(source: &Source, Measured { counts, .. }: &Measured) -> String {
 }
 
 /// Prints all warnings about the input, and fails with all errors in it, if there are any.
-pub(super) fn problems(warnings: &[FileError], errors: &[FileError]) -> anyhow::Result<()> {
+pub(super) fn problems([errors, warnings]: [&[FileError]; 2]) -> anyhow::Result<()> {
     warnings.iter().for_each(|warning| super::message("warning", &warning.to_string()));
     Ok(FileErrors::none(errors.to_vec())?)
 }
@@ -121,8 +101,8 @@ pub(super) struct CountsArguments {
 
 pub(super) fn counts(arguments: &CountsArguments, writer: &Writer) -> anyhow::Result<()> {
     let progress = super::Bar::new("reading");
-    let study = arguments.ratings.read(Default::default(), false, true).map_err(explained)?;
-    check_order(&study, true)?;
+    let study = arguments.ratings.read(Default::default(), false, true)?;
+    study.check_order(true)?;
     let counts = &study.measured.counts;
     writer.write(&arguments.out, &tables::counts_csv(counts, &study.source.shape))?;
     progress.clear();
@@ -130,5 +110,5 @@ pub(super) fn counts(arguments: &CountsArguments, writer: &Writer) -> anyhow::Re
     let described = study.measured.without_factors(&covariates(counts, &Options::default()));
     super::print_line(&sentence(&study.source, &described))?;
     super::print_line(&format!("{} in {}", count(counts.rows.len() as u64, "row"), arguments.out.display()))?;
-    problems(&study.source.warnings, &study.source.errors)
+    problems([&study.source.errors, &study.source.warnings])
 }

@@ -2,9 +2,14 @@
 
 use super::{Bar, OutPath, count, print_data, print_line, report_written};
 use crate::{
-    report::prediction::Comparison,
-    store::{Writer, observer, ratings::Source},
-    work::predict::{Predict, Predictions},
+    store::{
+        Writer, observer,
+        ratings::{SessionRead, Source},
+    },
+    work::{
+        criterion::Comparison,
+        predict::{Predict, Predictions},
+    },
 };
 
 /// Predict how visible the Mach bands of one stimulus are, or those of every condition of a definition.
@@ -49,7 +54,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     } else {
         print_comparison(&found, &source)?;
     }
-    super::analyze::problems(&source.warnings, &source.errors)
+    super::analyze::problems([&source.errors, &source.warnings])
 }
 
 fn print_comparison(found: &Comparison, source: &Source) -> anyhow::Result<()> {
@@ -66,8 +71,7 @@ fn print_comparison(found: &Comparison, source: &Source) -> anyhow::Result<()> {
 
 /// Says how certain the criterion is, and what it rests on.
 fn told(found: &Comparison, source: &Source) -> String {
-    let sittings = source.sessions.iter().filter_map(|session| session.sidecar.as_ref()).flat_map(|of| &of.sittings);
-    let is_simulated = sittings.into_iter().any(|sitting| sitting.observer.is_some());
+    let is_simulated = source.sessions.iter().any(SessionRead::is_simulated);
     let who = if is_simulated { "simulated participant" } else { "participant" };
     let interval = |[low, high]: [f64; 2]| format!("{low:.3} to {high:.3}");
     let intervals = found.intervals.map(|ends| ends.map_or_else(|| "unknown".to_owned(), interval));

@@ -1,15 +1,14 @@
 //! Floor 5: creates the report of a study from its files.
 //!
-//! [`Study`] contains what was read, and [`analyze`](crate::analysis::analyze) computes its results. [`study`] turns
+//! [`analyze`](crate::analysis::analyze) computes the results of ratings. [`study`] turns
 //! the results into blocks of a [`document`](mod@document), with sentences and [`figures`], and [`skins`] display the
-//! document. [`tables`] contain the results as CSV and JSON, and [`terminal`] prints lines. [`write_files`] writes
-//! everything into a folder.
+//! document. [`tables`] contain the results as CSV and JSON, and [`terminal`] prints lines. [`Analyzed`] holds the results
+//! of ratings or of another task, and writes everything into a folder.
 
 pub mod document;
 pub mod figures;
 pub(crate) mod names;
 mod output;
-pub mod prediction;
 mod script;
 pub mod skins;
 pub mod study;
@@ -17,5 +16,5 @@ pub mod tables;
 pub mod tasks;
 pub mod terminal;
 
-pub use output::{Contents, check_folder, png, report_files, study_files, table_files, task_files, write_files};
-pub use study::{Provenance, Study, StudyError};
+pub use output::{Analyzed, Contents, check_folder, png, write_files};
+pub use study::Provenance;

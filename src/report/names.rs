@@ -9,6 +9,7 @@ use crate::{
         number_of,
         terms::{Term, TermPart},
     },
+    experiment::{Category, Protocol},
     stimulus::{MachBand, Parameter},
     text::Cell,
 };
@@ -62,9 +63,9 @@ pub(crate) fn level(known: impl Into<Known>, factor: &str, level: &str) -> Shown
 /// Formats a level as [`level`], with at most this many significant digits behind a point.
 pub(crate) fn rounded_level(known: impl Into<Known>, factor: &str, level: &str, most: usize) -> Shown {
     let (known, number) = (known.into(), number_of(level));
-    let text = match level {
-        "" | MISSING => "(none)".to_owned(),
-        "inf" => "∞".to_owned(),
+    let text = match number {
+        _ if ["", MISSING].contains(&level) => "(none)".to_owned(),
+        Some(f64::INFINITY) => "∞".to_owned(),
         _ => {
             let digits = level.chars().filter(char::is_ascii_digit).count();
             let rounded = number
@@ -99,6 +100,16 @@ pub(crate) fn heading(known: impl Into<Known>, name: &str) -> String {
         Some(_) => capitalized(&factor(known, name)),
         None => name.to_owned(),
     }
+}
+
+/// Returns the answers of a definition, such as `0 (No band)`, or `0` if this is its label.
+pub(crate) fn categories_of(protocol: &Protocol) -> Vec<String> {
+    let categories = protocol.response.categories.iter().enumerate();
+    let name = |(rating, category): (usize, &Category)| match category.label == rating.to_string() {
+        true => rating.to_string(),
+        false => format!("{rating} ({})", category.label),
+    };
+    categories.map(name).collect()
 }
 
 /// Begins a sentence with a capital letter.

@@ -1,9 +1,6 @@
-//! The output of `machband analyze` and of the export on the window's analysis page.
+//! What an analysis found, and its files: the output of `machband analyze` and of the export on the window's analysis page.
 
-use std::{
-    fmt::Display,
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 use serde_json::{Map, Value};
@@ -11,42 +8,132 @@ use serde_json::{Map, Value};
 use super::{
     document::Document,
     figures::{self, Figure},
-    prediction::StudyPrediction,
     script, skins,
-    study::{Parts, Provenance, Study, document},
+    study::{self, Provenance},
     tables,
     tasks::{self, TaskResults, TaskStudy},
 };
 use crate::{
     analysis::Results,
-    store::{StoreError, Writer},
+    store::{FileError, StoreError, Writer, ratings::Source},
     system::found,
     text::Table,
 };
 
-/// A file that every analysis has.
+/// A file that every analysis of ratings has.
 const CELLS: &str = "cells.csv";
 
 /// The files of an analysis: their names and contents.
 pub type Contents = Vec<(String, Vec<u8>)>;
 
-/// Returns the files of an analysis: the tables and the model and, unless `tables_only` is set, the figures and the report,
-/// with the prediction in it. `folder` is where they will be, for error messages.
-///
-/// # Errors
-/// A figure cannot be drawn.
-pub fn study_files(
-    study: &Study,
-    results: &Results,
-    provenance: &Provenance,
-    folder: &Path,
-    tables_only: bool,
-) -> Result<Contents, StoreError> {
-    let mut contents = table_files(study, results);
-    if !tables_only {
-        contents.extend(report_files(study, results, provenance, folder)?);
+/// What was analyzed, with the results: ratings, or the answers to another task.
+#[derive(Debug)]
+pub enum Analyzed {
+    Ratings(Box<Source>, Box<Results>),
+    Task(Box<TaskStudy>, Box<TaskResults>),
+}
+
+impl Analyzed {
+    /// Draws every chart for which there are data.
+    pub fn figures(&self) -> Vec<Figure> {
+        match self {
+            Self::Ratings(_, results) => figures::all(results),
+            Self::Task(study, results) => tasks::figures(study, results),
+        }
     }
-    Ok(contents)
+
+    /// Describes everything in a document with these charts; `provenance` says how to repeat the analysis, for readers who do
+    /// not have it open.
+    pub fn document(&self, figures: &[Figure], provenance: Option<&Provenance>) -> Document {
+        match self {
+            Self::Ratings(source, results) => study::document(source, results, figures, provenance),
+            Self::Task(study, results) => tasks::document(study, results, figures, provenance),
+        }
+    }
+
+    /// Returns all tables but the sufficient statistic of ratings, with the names of their files without the extension.
+    pub fn tables(&self) -> Vec<(String, Table)> {
+        match self {
+            Self::Ratings(_, results) => tables::all(results),
+            Self::Task(study, results) => {
+                tasks::tables(study, results).into_iter().map(|(name, table)| (name.to_owned(), table)).collect()
+            }
+        }
+    }
+
+    /// Returns the errors and the warnings about the input.
+    pub fn problems(&self) -> [&[FileError]; 2] {
+        match self {
+            Self::Ratings(source, _) => [&source.errors, &source.warnings],
+            Self::Task(study, _) => [&study.errors, &study.warnings],
+        }
+    }
+
+    /// Returns the files that were read.
+    pub fn inputs(&self) -> Vec<&Path> {
+        match self {
+            Self::Ratings(source, _) => source.files.iter().map(|file| &*file.path).collect(),
+            Self::Task(study, _) => study.files.iter().map(|(path, _)| &**path).collect(),
+        }
+    }
+
+    /// Returns the tables, a file that describes their columns and, of ratings, the model and the script that repeats it in R.
+    pub fn table_files(&self) -> Contents {
+        let (mut files, mut columns) = (Contents::new(), Map::new());
+        for (name, table) in self.tables() {
+            let name = format!("{name}.csv");
+            columns.insert(name.clone(), table.described());
+            files.push((name, table.csv()));
+        }
+        files.push(("columns.json".to_owned(), format!("{:#}\n", Value::from(columns)).into_bytes()));
+        if let Self::Ratings(source, results) = self {
+            files.extend([
+                ("counts.csv".to_owned(), tables::counts_csv(results.modeled(), &source.shape)),
+                ("model.json".to_owned(), format!("{:#}\n", tables::model(results)).into_bytes()),
+                ("analysis.R".to_owned(), script::script(results).into_bytes()),
+            ]);
+        }
+        files
+    }
+
+    /// Returns the report and the figures. `folder` is where they will be, for error messages.
+    ///
+    /// # Errors
+    /// A figure cannot be drawn.
+    pub fn report_files(&self, provenance: &Provenance, folder: &Path) -> Result<Contents, StoreError> {
+        let protocol = match self {
+            Self::Ratings(source, _) => &source.protocol,
+            Self::Task(study, _) => &study.asked.protocol,
+        };
+        let mut figures = self.figures();
+        figures.extend(protocol.as_ref().and_then(figures::stimulus));
+        let page = skins::html(&self.document(&figures, Some(provenance)), provenance);
+        let mut contents = vec![("report.html".to_owned(), page.into_bytes())];
+        let drawn: Result<Vec<_>, StoreError> =
+            figures.par_iter().map(|figure| png(figure, &folder.join(figure.name))).collect();
+        for (Figure { name, svg, .. }, png) in figures.iter().zip(drawn?) {
+            contents.extend([(format!("{name}.svg"), svg.clone().into_bytes()), (format!("{name}.png"), png)]);
+        }
+        Ok(contents)
+    }
+
+    /// Writes the tables and, unless `tables_only` is set, the report and the figures into a folder. Returns their paths.
+    ///
+    /// # Errors
+    /// The same errors as [`Analyzed::report_files`] and [`write_files`].
+    pub fn write(
+        &self,
+        writer: &Writer,
+        folder: &Path,
+        provenance: &Provenance,
+        tables_only: bool,
+    ) -> Result<Vec<PathBuf>, StoreError> {
+        let mut contents = self.table_files();
+        if !tables_only {
+            contents.extend(self.report_files(provenance, folder)?);
+        }
+        write_files(writer, folder, contents)
+    }
 }
 
 /// Writes the files of an analysis into a folder, or none if one of them cannot be written. Returns their paths.
@@ -61,50 +148,6 @@ pub fn write_files(writer: &Writer, folder: &Path, contents: Contents) -> Result
     Ok(files.into_iter().map(|(path, _)| path).collect())
 }
 
-/// Returns the report and the figures. `folder` is where they will be, for error messages.
-///
-/// # Errors
-/// A figure cannot be drawn.
-pub fn report_files(
-    study: &Study,
-    results: &Results,
-    provenance: &Provenance,
-    folder: &Path,
-) -> Result<Contents, StoreError> {
-    let predict = || StudyPrediction::of(&study.source, &results.measured.counts);
-    let (predicted, mut figures) = rayon::join(predict, || figures::all(results));
-    figures.extend(study.source.protocol.as_ref().and_then(figures::stimulus));
-    figures.extend(predicted.iter().flat_map(|predicted| figures::predicted(results, &predicted.ratings)));
-    let parts = Parts { figures: &figures, prediction: Some(&predicted), provenance: Some(provenance) };
-    page(&document(&study.source, results, parts), &figures, provenance, folder)
-}
-
-/// Returns the files of the analysis of a task: its tables and, unless `tables_only` is set, the figures and the report.
-/// `folder` is where they will be, for error messages.
-///
-/// # Errors
-/// A figure cannot be drawn.
-pub fn task_files(
-    study: &TaskStudy,
-    results: &TaskResults,
-    provenance: &Provenance,
-    folder: &Path,
-    tables_only: bool,
-) -> Result<Contents, StoreError> {
-    let mut contents = csv_files(tasks::tables(study, results));
-    if !tables_only {
-        let mut figures = tasks::figures(study, results);
-        figures.extend(study.asked.protocol.as_ref().and_then(figures::stimulus));
-        contents.extend(page(
-            &tasks::document(study, results, &figures, Some(provenance)),
-            &figures,
-            provenance,
-            folder,
-        )?);
-    }
-    Ok(contents)
-}
-
 /// Checks before work starts that an analysis can be written into a folder, which need not exist yet.
 ///
 /// # Errors
@@ -115,51 +158,10 @@ pub fn check_folder(writer: &Writer, folder: &Path) -> Result<(), StoreError> {
     found.map_or(Ok(()), |_| writer.check([folder.join(CELLS).as_path()]))
 }
 
-/// Returns a document as a page, and its figures.
-fn page(
-    document: &Document,
-    figures: &[Figure],
-    provenance: &Provenance,
-    folder: &Path,
-) -> Result<Contents, StoreError> {
-    let mut contents = vec![("report.html".to_owned(), skins::html(document, provenance).into_bytes())];
-    let drawn: Result<Vec<_>, StoreError> =
-        figures.par_iter().map(|figure| png(figure, &folder.join(figure.name))).collect();
-    for (Figure { name, svg, .. }, png) in figures.iter().zip(drawn?) {
-        contents.extend([(format!("{name}.svg"), svg.clone().into_bytes()), (format!("{name}.png"), png)]);
-    }
-    Ok(contents)
-}
-
 /// Returns a figure as the content of the PNG file at `path`.
 ///
 /// # Errors
 /// The figure cannot be drawn.
 pub fn png(figure: &Figure, path: &Path) -> Result<Vec<u8>, StoreError> {
     figure.png().map_err(|error| StoreError::io(path, "draw", std::io::Error::other(error.to_string())))
-}
-
-/// Returns tables as CSV files, and a file that describes their columns.
-fn csv_files(tables: Vec<(impl Display, Table)>) -> Contents {
-    let (mut files, mut columns) = (Contents::new(), Map::new());
-    for (name, table) in tables {
-        let name = format!("{name}.csv");
-        columns.insert(name.clone(), table.described());
-        files.push((name, table.csv()));
-    }
-    files.push(("columns.json".to_owned(), format!("{:#}\n", Value::from(columns)).into_bytes()));
-    files
-}
-
-/// Returns the tables, the model and the script that repeats it in R.
-pub fn table_files(study: &Study, results: &Results) -> Contents {
-    let mut model = serde_json::to_vec_pretty(&tables::model(results)).unwrap_or_default();
-    model.push(b'\n');
-    let mut files = csv_files(tables::all(results));
-    files.extend([
-        ("counts.csv".to_owned(), tables::counts_csv(results.modeled(), &study.source.shape)),
-        ("model.json".to_owned(), model),
-        ("analysis.R".to_owned(), script::script(&study.source.shape, results).into_bytes()),
-    ]);
-    files
 }

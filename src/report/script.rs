@@ -1,20 +1,21 @@
 //! The R script that fits the main model again, from `counts.csv` in the same folder, with R's package `ordinal`.
 
-use super::tables::count_columns;
 use crate::{
     analysis::{
         Model, Note, RandomEffect, Results, find_factor,
         terms::{Term, Variable},
     },
-    store::ratings::Shape,
     text::inert,
 };
 
 /// Levels that `clmm` needs at least in a grouping factor.
 const FEWEST_PEOPLE: usize = 3;
+/// Words that are no names in R, and the columns of every study.
+const RESERVED: &str =
+    "if else repeat while function for next break in TRUE FALSE NULL Inf NaN NA subject item rating count";
 
 /// Writes the script. If there is no model, or R cannot fit it, the script says why and does nothing.
-pub(super) fn script(shape: &Shape, results: &Results) -> String {
+pub(super) fn script(results: &Results) -> String {
     let introduction = format!(
         "# Fits the main model of this analysis again with R, from counts.csv in this folder. Made by machband {}.\n#\n\
          #   Rscript analysis.R\n#\n# It needs the package ordinal: install.packages(\"ordinal\"). Numbers are about their means and\n\
@@ -32,30 +33,43 @@ pub(super) fn script(shape: &Shape, results: &Results) -> String {
         return nothing("clmm needs at least three participants");
     }
     let names = Names::new(results);
-    let (data, formula) = (names.data(shape, results, model), names.formula(results, model));
-    let function = if model.random.is_some() { "clmm" } else { "clm" };
+    let fixed = results.spec.terms.iter().map(|term| names.product(&term.variables));
+    let random = model.random.iter().flat_map(|random| names.random(random));
+    let mut terms: Vec<String> = fixed.chain(random).collect();
+    if results.spec.terms.is_empty() {
+        terms.insert(0, "1".to_owned());
+    }
     format!(
-        "{introduction}\nlibrary(ordinal)\n\n{data}\nfit <- {function}({formula},\n  data = data, weights = count, \
-             link = \"{}\")\nprint(summary(fit))\n",
+        "{introduction}\nlibrary(ordinal)\n\n{}\nfit <- {}(rating ~ {},\n  data = data, weights = count, link = \"{}\")\n\
+         print(summary(fit))\n",
+        names.data(results, model),
+        if model.random.is_some() { "clmm" } else { "clm" },
+        terms.join(" + "),
         model.link
     )
 }
 
-/// The names of the variables in R.
+/// The variables of the model, with their names in R.
 struct Names<'a>(Vec<(&'a Variable, String)>);
 
 impl<'a> Names<'a> {
     fn new(results: &'a Results) -> Self {
         let mut names: Vec<(&Variable, String)> = Vec::new();
         for variable in results.spec.terms.iter().flat_map(|term| &term.variables) {
-            if names.iter().all(|(known, _)| *known != variable) {
-                let prefix = if matches!(variable, Variable::Number(_)) { "num_" } else { "" };
-                let mut name = format!("{prefix}{}", syntactic(variable.name()));
-                while names.iter().any(|(_, taken)| *taken == name) {
-                    name.push('.');
-                }
-                names.push((variable, name));
+            if names.iter().any(|(known, _)| *known == variable) {
+                continue;
             }
+            let prefix = match variable {
+                Variable::Number(_) => "num_",
+                Variable::Factor(name) if name.starts_with(|c: char| c.is_ascii_alphabetic()) => "",
+                Variable::Factor(_) => "X",
+            };
+            let is_odd = |c: char| !(c.is_ascii_alphanumeric() || c == '_' || c == '.');
+            let mut name = format!("{prefix}{}", variable.name().replace(is_odd, "."));
+            while RESERVED.split(' ').chain(names.iter().map(|(_, taken)| &**taken)).any(|taken| taken == name) {
+                name.push('.');
+            }
+            names.push((variable, name));
         }
         Self(names)
     }
@@ -68,111 +82,68 @@ impl<'a> Names<'a> {
         variables.into_iter().map(|variable| self.name(variable)).collect::<Vec<_>>().join(":")
     }
 
-    fn formula(&self, results: &Results, model: &Model) -> String {
-        let mut parts: Vec<String> = results.spec.terms.iter().map(|term| self.product(&term.variables)).collect();
-        if parts.is_empty() {
-            parts.push("1".to_owned());
-        }
-        if let Some(random) = &model.random {
-            parts.extend(self.random(random));
-        }
-        format!("rating ~ {}", parts.join(" + "))
-    }
-
     /// Returns the random effects as terms of a formula.
     fn random(&self, random: &RandomEffect) -> Vec<String> {
         let mut terms: Vec<&Term> = random.slopes.iter().map(|slope| &slope.term).collect();
         terms.dedup();
         if random.correlations.is_some() {
-            let slopes = terms.iter().map(|term| self.product(&term.variables));
-            let left: Vec<String> = std::iter::once("1".to_owned()).chain(slopes).collect();
-            return vec![format!("({} | subject)", left.join(" + "))];
+            let slopes: String = terms.iter().map(|term| format!(" + {}", self.product(&term.variables))).collect();
+            return vec![format!("(1{slopes} | subject)")];
         }
         let slope = |term: &Term| {
             let (numbers, factors): (Vec<&Variable>, Vec<_>) =
                 term.variables.iter().partition(|variable| matches!(variable, Variable::Number(_)));
             let left = if numbers.is_empty() { "1".to_owned() } else { format!("0 + {}", self.product(numbers)) };
-            let group = factors.iter().fold("subject".to_owned(), |group, factor| group + ":" + self.name(factor));
-            format!("({left} | {group})")
+            let group: String = factors.iter().map(|factor| format!(":{}", self.name(factor))).collect();
+            format!("({left} | subject{group})")
         };
         let items = random.items.as_ref().map(|_| "(1 | item)".to_owned());
         std::iter::once("(1 | subject)".to_owned()).chain(terms.into_iter().map(slope)).chain(items).collect()
     }
 
-    /// Reads the rows of the model, with its levels and categories in order.
-    fn data(&self, shape: &Shape, results: &Results, model: &Model) -> String {
+    /// Reads the rows of the model, with its levels and categories in order. Its columns are the participant, the factors, the
+    /// rating and the count. Rows without a value are not in the model.
+    fn data(&self, results: &Results, model: &Model) -> String {
         let counts = results.modeled();
-        let mut text = "counts <- read.csv(\"counts.csv\", check.names = FALSE, colClasses = \"character\", \
-                        na.strings = character(), encoding = \"UTF-8\")\n"
-            .to_owned();
-        let columns = count_columns(counts, shape);
-        let column = |index: usize| format!("counts[[{}]]", string(&inert(&columns[index].name)));
-        let [people, ratings, count] = [0, columns.len() - 2, columns.len() - 1].map(column);
-        let categories = strings(&model.categories);
-        let mut lines = vec![
-            format!("subject = factor({people})"),
-            format!("rating = factor({ratings}, levels = {categories}, ordered = TRUE)"),
-            format!("count = as.numeric({count})"),
-        ];
-        if let Some((items, _)) = model.random.as_ref().and_then(|random| counts.factor(&random.items.as_ref()?.name)) {
-            lines.push(format!("item = factor({})", column(1 + items)));
-        }
-        let mut centered = String::new();
-        for (variable, name) in &self.0 {
+        let cells = |index: usize| format!("counts[[{}]]", 2 + index);
+        let items = model.random.as_ref().and_then(|random| counts.factor(&random.items.as_ref()?.name));
+        let items = items.map(|(items, _)| format!("item = factor({})", cells(items)));
+        let variable = |(variable, name): &(&Variable, String)| {
             let (index, inverse) = find_factor(counts, variable).unwrap_or_default();
-            let factor = &counts.factors[index];
-            let cells = column(1 + index);
-            if counts.conditions.iter().any(|levels| levels[index].is_none()) {
-                text += &format!("counts <- counts[{cells} != \"\", ] # rows without a value are not in the model\n");
+            if let Variable::Number(_) = variable {
+                return format!("{name} = centered({}as.numeric({}))", if inverse { "1 / " } else { "" }, cells(index));
             }
-            lines.push(match variable {
-                Variable::Factor(_) => {
-                    let baseline = model.notes.iter().find_map(|note| match note {
-                        Note::Rebased { factor: own, baseline, .. } if *own == factor.name => Some(baseline),
-                        _ => None,
-                    });
-                    let mut levels: Vec<&String> = factor.levels.iter().collect();
-                    levels.sort_by_key(|level| Some(*level) != baseline);
-                    format!("{name} = factor({cells}, levels = {})", strings(&levels))
-                }
-                Variable::Number(_) => {
-                    centered += &format!(
-                        "data${name} <- (data${name} - weighted.mean(data${name}, data$count)) / diff(range(data${name}))\n"
-                    );
-                    format!("{name} = {}as.numeric({cells})", if inverse { "1 / " } else { "" })
-                }
+            let factor = &counts.factors[index];
+            let baseline = model.notes.iter().find_map(|note| match note {
+                Note::Rebased { factor: own, baseline, .. } if *own == factor.name => Some(baseline),
+                _ => None,
             });
-        }
-        text + &format!("data <- droplevels(data.frame(\n  {}\n))\n{centered}", lines.join(",\n  "))
+            let mut levels: Vec<&String> = factor.levels.iter().collect();
+            levels.sort_by_key(|level| Some(*level) != baseline);
+            format!("{name} = factor({}, levels = {})", cells(index), strings(&levels))
+        };
+        let variables = items.into_iter().chain(self.0.iter().map(variable));
+        let variables: String = variables.map(|variable| format!(",\n  {variable}")).collect();
+        let rating = counts.factors.len();
+        format!(
+            "counts <- read.csv(\"counts.csv\", colClasses = \"character\", na.strings = character(), encoding = \"UTF-8\")\n\
+             n <- as.numeric({})\n\
+             centered <- function(x) (x - weighted.mean(x, n, na.rm = TRUE)) / diff(range(x, na.rm = TRUE))\n\
+             data <- droplevels(na.omit(data.frame(\n  subject = factor(counts[[1]]),\n  \
+             rating = factor({}, levels = {}, ordered = TRUE),\n  count = n{variables}\n)))\n",
+            cells(rating + 1),
+            cells(rating),
+            strings(&model.categories)
+        )
     }
 }
 
+/// Writes strings in R, in ASCII, so that they do not depend on the encoding in which R reads the script.
 fn strings<S: AsRef<str>>(all: &[S]) -> String {
-    let all: Vec<String> = all.iter().map(|text| string(&inert(text.as_ref()))).collect();
-    format!("c({})", all.join(", "))
-}
-
-/// Writes a string in R, in ASCII, so that it does not depend on the encoding in which R reads the script.
-fn string(text: &str) -> String {
-    let mut quoted = String::from("\"");
-    for c in text.chars() {
-        match c {
-            '"' | '\\' => quoted.extend(['\\', c]),
-            ' '..='~' => quoted.push(c),
-            _ => quoted += &format!("\\U{{{:x}}}", u32::from(c)),
-        }
-    }
-    quoted + "\""
-}
-
-/// Makes a name that R accepts without quotes and that is not a column of every study.
-fn syntactic(name: &str) -> String {
-    const RESERVED: [&str; 19] = [
-        "if", "else", "repeat", "while", "function", "for", "next", "break", "in", "TRUE", "FALSE", "NULL", "Inf",
-        "NaN", "NA", "subject", "item", "rating", "count",
-    ];
-    let allowed = |c: char| if c.is_ascii_alphanumeric() || c == '_' || c == '.' { c } else { '.' };
-    let name: String = name.chars().map(allowed).collect();
-    let is_plain = name.starts_with(|c: char| c.is_ascii_alphabetic()) && !RESERVED.contains(&name.as_str());
-    if is_plain { name } else { format!("X{name}") }
+    let escaped = |c: char| match c.is_ascii() {
+        true => c.escape_default().to_string(),
+        false => format!("\\U{{{:x}}}", u32::from(c)),
+    };
+    let string = |text: &S| format!("\"{}\"", inert(text.as_ref()).chars().map(escaped).collect::<String>());
+    format!("c({})", all.iter().map(string).collect::<Vec<_>>().join(", "))
 }

@@ -18,10 +18,6 @@ use crate::{
     text::{Cell, Column, Table},
 };
 
-fn columns(named: &[(&str, &str)]) -> Vec<Column> {
-    named.iter().map(|(name, description)| Column::new(*name, "", *description)).collect()
-}
-
 /// A table that is made of columns, each with a value of every row.
 pub(crate) struct Rows<'a, R> {
     rows: &'a [R],
@@ -72,24 +68,21 @@ impl<'a, R> Rows<'a, R> {
         Self { factors: first..self.columns.len(), ..self }
     }
 
-    /// Returns the table.
+    /// Returns the table, in which the names of columns differ. Columns of factors get underscores at their ends; the others
+    /// keep their names.
     pub fn table(self) -> Table {
-        Table { columns: apart(self.columns, self.factors) }
+        let Self { mut columns, factors, .. } = self;
+        for factor in factors {
+            while columns.iter().filter(|column| column.name == columns[factor].name).count() > 1 {
+                columns[factor].name.push('_');
+            }
+        }
+        Table { columns }
     }
 }
 
 /// Describes a column with the levels of a factor.
 const LEVEL: &str = "Level of the factor.";
-
-/// Makes the names of columns differ. Columns of factors get underscores at their ends; the others keep their names.
-fn apart(mut columns: Vec<Column>, factors: Range<usize>) -> Vec<Column> {
-    for factor in factors {
-        while columns.iter().filter(|column| column.name == columns[factor].name).count() > 1 {
-            columns[factor].name.push('_');
-        }
-    }
-    columns
-}
 
 fn level(factor: &Factor, name: &str) -> Cell {
     if name.is_empty() {
@@ -150,7 +143,7 @@ fn subjects(results: &Results) -> Table {
 /// Lists Friedman's tests, the likelihood-ratio tests and the comparisons of levels. For a single participant, Friedman's
 /// tests are missing, and the others are about that participant's trials.
 fn tests(results: &Results) -> Table {
-    let columns = columns(&[
+    let columns = [
         ("test", "Name of the test."),
         ("term", "Factor or term that is tested."),
         ("level", "Later level of a comparison."),
@@ -166,7 +159,7 @@ fn tests(results: &Results) -> Table {
         ("ci_high", "Upper end of its 95 % interval."),
         ("effect_is", "What the size is."),
         ("note", "Where p comes from, and what limits the test."),
-    ]);
+    ];
     let mut rows = Vec::new();
     if results.is_inferential() {
         rows.extend(results.factors.iter().filter_map(friedman_row));
@@ -217,7 +210,7 @@ fn tests(results: &Results) -> Table {
             rows.push(test_row(names, report.model.nobs, &numbers, "difference on the latent scale", &note));
         }
     }
-    Table::new(columns, rows)
+    Table::new(columns.map(|(name, description)| Column::new(name, "", description)).into(), rows)
 }
 
 /// Returns a row of the tests: `names` are the test, the term and two levels; `numbers` begins with the statistic, df, p,
@@ -245,41 +238,28 @@ fn friedman_row(factor: &FactorResults) -> Option<Vec<Cell>> {
     Some(test_row(["friedman", &factor.name, "", ""], test.subjects as u64, &numbers, "Kendall's W", &note))
 }
 
+/// A coefficient of agreement: its name, the participant, the number of ratings or pairs, its value and its interval.
+type OfAgreement<'a> = (&'static str, &'a str, u64, Option<f64>, Option<Interval>);
+
 /// Lists the agreement between participants (Krippendorff's α) and within each participant (weighted κ).
 fn agreement(results: &Results) -> Table {
-    let mut rows = Vec::new();
-    let mut row = |measure: &str, subject: &str, n: u64, estimate: Option<f64>, interval: Option<Interval>| {
-        let [low, high] = [interval.map(|interval| interval.low), interval.map(|interval| interval.high)];
-        rows.push(vec![measure.into(), subject.into(), n.into(), estimate.into(), low.into(), high.into()]);
-    };
-    if let Some(alpha) = &results.alpha {
-        row("krippendorff_alpha_ordinal", "", alpha.ratings, Some(alpha.alpha), alpha.interval);
-    }
-    if let Some((mean, interval)) = results.kappa {
-        let pairs = results.subjects.iter().map(|subject| subject.retests).sum();
-        row("retest_kappa_quadratic_mean", "", pairs, Some(mean), interval);
-    }
-    for subject in results.subjects.iter().filter(|subject| subject.retests > 0) {
-        row("retest_kappa_quadratic", &subject.group.names[0], subject.retests, subject.kappa, None);
-    }
-    let columns = columns(&[
-        ("measure", "Coefficient of agreement."),
-        ("subject_id", "Participant, if it is about one."),
-        ("n", "Number of ratings, or of pairs of ratings."),
-        ("estimate", "Value of the coefficient."),
-        ("ci_low", "Lower end of its 95 % interval."),
-        ("ci_high", "Upper end of its 95 % interval."),
-    ]);
-    Table::new(columns, rows)
-}
-
-/// Describes the columns of the sufficient statistic: the participant, the factors, the response and the count.
-pub(super) fn count_columns(counts: &Counts, shape: &Shape) -> Vec<Column> {
-    let count = if shape.response == "count" || shape.subject == "count" { "count_" } else { "count" };
-    let factors = counts.factors.iter().map(|factor| (factor.name.as_str(), LEVEL));
-    let last = [(shape.response.as_str(), "Category of the rating."), (count, "Number of equal ratings.")];
-    let all = [(shape.subject.as_str(), "Participant.")].into_iter().chain(factors).chain(last);
-    apart(columns(&all.collect::<Vec<_>>()), 1..1 + counts.factors.len())
+    let all = &results.subjects;
+    let between =
+        results.alpha.map(|own| ("krippendorff_alpha_ordinal", "", own.ratings, Some(own.alpha), own.interval));
+    let pairs = all.iter().map(|subject| subject.retests).sum();
+    let within = results.kappa.map(|(mean, interval)| ("retest_kappa_quadratic_mean", "", pairs, Some(mean), interval));
+    let own = all
+        .iter()
+        .filter(|subject| subject.retests > 0)
+        .map(|subject| ("retest_kappa_quadratic", &*subject.group.names[0], subject.retests, subject.kappa, None));
+    let rows: Vec<OfAgreement<'_>> = between.into_iter().chain(within).chain(own).collect();
+    Rows::new(&rows)
+        .column("measure", "Coefficient of agreement.", |(measure, ..)| *measure)
+        .column("subject_id", "Participant, if it is about one.", |(_, subject, ..)| *subject)
+        .column("n", "Number of ratings, or of pairs of ratings.", |(_, _, n, ..)| *n)
+        .column("estimate", "Value of the coefficient.", |(.., estimate, _)| *estimate)
+        .interval("ci", "its 95 % interval", |(.., interval)| *interval)
+        .table()
 }
 
 /// Lists the sufficient statistic: participant, factors, rating and count. `analyze` can read this table in place of the files,
@@ -300,16 +280,20 @@ pub fn counts_csv(counts: &Counts, shape: &Shape) -> Vec<u8> {
 }
 
 fn counts_of(counts: &Counts, rows: &[CountRow], shape: &Shape) -> Table {
+    let name = if [&shape.response, &shape.subject].iter().any(|name| *name == "count") { "count_" } else { "count" };
     let categories: Vec<Cell> =
         counts.categories.iter().map(|category| Cell::Level(category.clone(), number_of(category))).collect();
-    let rows = rows.iter().map(|row| {
-        let mut cells = vec![Cell::Text(counts.subjects[row.subject as usize].clone())];
-        let names = counts.level_names(row.condition);
-        cells.extend(counts.factors.iter().zip(names).map(|(factor, name)| level(factor, name)));
-        cells.extend([categories[row.rating as usize].clone(), row.count.into()]);
-        cells
-    });
-    Table::new(count_columns(counts, shape), rows)
+    let own_level = |row: &CountRow, factor: usize| {
+        let own = &counts.factors[factor];
+        counts.conditions[row.condition as usize][factor]
+            .map_or(Cell::Missing, |at| level(own, &own.levels[at as usize]))
+    };
+    Rows::new(rows)
+        .column(&shape.subject, "Participant.", |row| Cell::Text(counts.subjects[row.subject as usize].clone()))
+        .levels(counts.factors.iter().map(|factor| &factor.name), own_level)
+        .column(&shape.response, "Category of the rating.", |row| categories[row.rating as usize].clone())
+        .column(name, "Number of equal ratings.", |row| row.count)
+        .table()
 }
 
 /// Lists the model's expected ratings in each condition, for a typical participant.
@@ -374,27 +358,19 @@ fn file_part(name: &str) -> String {
 /// Describes the model, or the reason why there is none.
 pub fn model(results: &Results) -> Value {
     let spec = &results.spec;
-    let asked = json!({
-        "terms": spec.terms.to_string(), "random": spec.random,
-    });
+    let asked = json!({ "terms": spec.terms.to_string(), "random": spec.random });
     match &results.model {
         Err(error) => json!({
             "error": error.to_string(), "asked": asked, "link": spec.link, "method": null,
             "nobs": results.measured.counts.total(), "loglik": null, "thresholds": [], "coefficients": [], "random": null,
         }),
         Ok(report) => {
-            let mut value = serde_json::to_value(&report.model).unwrap_or_default();
+            let mut value = serde_json::to_value(report).unwrap_or_default();
             let sentences: Vec<String> = report.model.notes.iter().map(ToString::to_string).collect();
             value["asked"] = asked;
-            value["aic"] = json!(report.model.aic());
             value["sentences"] = json!(sentences);
+            value["aic"] = json!(report.model.aic());
             value["bic"] = json!(report.model.bic());
-            value["likelihood_ratio"] = json!(report.terms);
-            value["interactions"] = json!(report.interactions);
-            value["order"] = json!(report.order);
-            value["comparisons"] = json!(report.comparisons);
-            value["margins"] = json!(report.margins);
-            value["checks"] = json!(report.checks);
             if !results.is_inferential() {
                 value["scope"] = json!("trials of one participant");
             }

@@ -7,25 +7,25 @@ use std::{
 
 use serde::Serialize;
 
-use super::{RequestError, Watcher, request::allow_only};
+use super::{RequestError, Study, Watcher, request::allow_only};
 use crate::{
     analysis::{
-        Link, MAX_COEFFICIENTS, ModelError, Options, Random, Resampling, Results, Slopes, analyze_with,
+        Link, MAX_COEFFICIENTS, ModelError, Options, Random, Resampling, Slopes, analyze_with,
         counts::{Counts, Exclusions},
-        number_of, numbers_of,
+        numbers_of,
         tasks::psychometric::{self, Guess},
         terms::{Terms, Variable},
     },
     experiment::task::{Common, Curve, Easier},
     report::{
-        Study, StudyError,
-        tasks::{self, Levels, TaskStudy},
+        Analyzed,
+        tasks::{self, Levels, TaskResults, TaskStudy},
     },
     store::{
         Columns, FileErrors, StoreError,
         answers::{self, AnswerColumns, AnswersRead},
         ratings::{ReadOptions, Source},
-        table::{List, list},
+        table::List,
     },
     text::names::{expected_one_of, one_of},
 };
@@ -119,13 +119,6 @@ pub struct AnswersAtLevels {
     pub log: bool,
 }
 
-/// Checks that the order of the categories is known.
-fn ordered(study: Result<Study, StudyError>) -> anyhow::Result<Study> {
-    let study = study.map_err(explained)?;
-    check_order(&study, false)?;
-    Ok(study)
-}
-
 impl Analyze {
     /// Returns the names of the columns that the terms use as factors, and of their numbers, the covariates and the items.
     pub fn columns(&self) -> [Vec<String>; 2] {
@@ -150,7 +143,7 @@ impl Analyze {
     ///
     /// # Errors
     /// There is nothing to analyze, or the study is too large.
-    pub fn read_unordered(&self) -> Result<Study, StudyError> {
+    pub fn read_unordered(&self) -> anyhow::Result<Study> {
         self.ratings.read(self.columns(), true, self.model.large)
     }
 
@@ -159,7 +152,9 @@ impl Analyze {
     /// # Errors
     /// There is nothing to analyze, the study is too large, or the order of its categories is not known.
     pub fn read(&self) -> anyhow::Result<Study> {
-        ordered(self.read_unordered())
+        let study = self.read_unordered()?;
+        study.check_order(false)?;
+        Ok(study)
     }
 
     /// Takes the ratings from a table in memory instead of files; `name` stands for it in messages.
@@ -168,7 +163,9 @@ impl Analyze {
     /// The same errors as [`Analyze::read`].
     pub fn read_columns(&self, name: &str, columns: Columns) -> anyhow::Result<Study> {
         let how = self.ratings.options(self.columns(), true, self.model.large);
-        ordered(Study::from_columns(name, columns, &how))
+        let study = Study::from_columns(name, columns, &how)?;
+        study.check_order(false)?;
+        Ok(study)
     }
 
     /// Reads the answers to a task, if the sessions have a task other than a rating.
@@ -340,18 +337,39 @@ impl Analyze {
         Ok(())
     }
 
+    /// Reads and analyzes ratings, or the answers to another task.
+    ///
+    /// # Errors
+    /// The same errors as [`Analyze::read_task`], [`Analyze::read`] and [`Analyze::analyze`].
+    pub fn run(&self, watcher: &dyn Watcher) -> anyhow::Result<Analyzed> {
+        if let Some(study) = self.read_task()? {
+            watcher.stage("analyzing");
+            return Ok(self.analyze_task(study));
+        }
+        let study = self.read()?;
+        watcher.stage("analyzing");
+        Ok(self.analyze(study, watcher)?)
+    }
+
     /// Analyzes the ratings. The watcher learns the number of simulated studies that are done, and of all.
     ///
     /// # Errors
     /// The requested model is impossible.
-    pub fn analyze(&self, study: &Study, watcher: &dyn Watcher) -> Result<Results, RequestError> {
-        self.check(study)?;
+    pub fn analyze(&self, study: Study, watcher: &dyn Watcher) -> Result<Analyzed, RequestError> {
+        self.check(&study)?;
         let progress = |done: usize, all: usize| watcher.progress(done as u64, all as u64);
-        let results = analyze_with(study.measured.clone(), &self.options(&study.source), &progress);
+        let Study { source, measured } = study;
+        let results = analyze_with(measured, &self.options(&source), &progress);
         match results.model.as_ref().err().and_then(refused) {
             Some(error) => Err(error),
-            None => Ok(results),
+            None => Ok(Analyzed::Ratings(source.into(), results.into())),
         }
+    }
+
+    /// Analyzes the answers to a task.
+    pub fn analyze_task(&self, study: TaskStudy) -> Analyzed {
+        let results = TaskResults::of(&study, self.resampling.seed);
+        Analyzed::Task(study.into(), results.into())
     }
 }
 
@@ -405,7 +423,7 @@ impl Ratings {
     ///
     /// # Errors
     /// No file can be read, or an exclusion is not possible.
-    pub fn read(&self, also: [Vec<String>; 2], details: bool, large: bool) -> Result<Study, StudyError> {
+    pub fn read(&self, also: [Vec<String>; 2], details: bool, large: bool) -> anyhow::Result<Study> {
         if let Some((path, task)) = TaskStudy::task_at(&self.paths)? {
             let answers = tasks::answers(&task);
             let message =
@@ -419,42 +437,4 @@ impl Ratings {
     fn options(&self, [also, roles]: [Vec<String>; 2], details: bool, unlimited: bool) -> ReadOptions {
         ReadOptions { also, roles, details, unlimited, ..self.how.clone() }
     }
-}
-
-/// Checks that the order of the categories is known. For counts, categories `may_be_words`, but not beside numbers.
-///
-/// # Errors
-/// Names the categories that are no numbers.
-pub fn check_order(study: &Study, may_be_words: bool) -> Result<(), RequestError> {
-    let (shape, counts) = (&study.source.shape, &study.measured.counts);
-    let words: Vec<&String> = counts.categories.iter().filter(|category| number_of(category).is_none()).collect();
-    let are_all = words.len() == counts.categories.len();
-    if counts.is_ordered(shape.categories.as_deref()) || are_all && may_be_words {
-        return Ok(());
-    }
-    let message = format!(
-        "{}: {} {}; expected numbers, or the order of all categories, lowest first",
-        shape.response,
-        list(words.iter().take(12)),
-        if words.len() == 1 { "is not a number" } else { "are not numbers" },
-    );
-    // Not an order of these words, which somebody would copy.
-    Err(RequestError::value("response", message).such_as("categories", "LOWEST,…,HIGHEST"))
-}
-
-/// Turns an error of reading into one of the request, if that is what is wrong.
-pub fn explained(error: StudyError) -> anyhow::Error {
-    let field = match &error {
-        StudyError::Files(_) => return error.into(),
-        StudyError::TooManyCategories { .. } => {
-            return RequestError::value("response", error).such_as("categories", "0,1,2").into();
-        }
-        StudyError::Codes { codes, .. } => {
-            let codes = list(codes.iter().map(|(code, _)| code));
-            return RequestError::value("response", error).such_as("missing", &codes).into();
-        }
-        StudyError::Names(field, _) => field,
-        StudyError::TooLarge(_) => return RequestError::whole(error).unless("large").into(),
-    };
-    RequestError::new(field, error).into()
 }

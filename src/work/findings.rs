@@ -165,9 +165,6 @@ impl Plan {
             let levels: Vec<String> = factor.levels.iter().map(level).collect();
             format!("{} ({})", names::factor(known, &factor.name), levels.join(", "))
         };
-        let categories = protocol.response.categories.iter().enumerate();
-        let categories: Vec<String> =
-            categories.map(|(rating, category)| format!("{rating} ({})", category.label)).collect();
         let practice = match protocol.design.practice {
             0 => String::new(),
             n => format!("{} come first. ", count(n.into(), "practice trial")),
@@ -189,7 +186,7 @@ impl Plan {
             practice = practice,
             level = protocol.recovery.level,
             recovery_s = protocol.recovery.duration_s,
-            categories = list(&categories),
+            categories = list(&names::categories_of(protocol)),
             distance_cm = protocol.viewing.distance_cm,
             window_deg = protocol.viewing.window_deg,
             decision = planned.sample_size(),

@@ -4,13 +4,12 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::{Drawn, Encoded, Encoding, FittedPath, Luminances, Ratings, RequestError, Watcher, explained};
+use super::{
+    Drawn, Encoded, Encoding, FittedPath, Luminances, Ratings, RequestError, Study, Watcher,
+    criterion::{self, Comparison, LEAST, window_deg},
+};
 use crate::{
     experiment::{Condition, Factor, Protocol, VisionRater},
-    report::{
-        Study,
-        prediction::{self, Comparison, MAX_PICTURES, window_deg},
-    },
     stimulus::{Parameter, Stimulus, ViewingConditions, Visible, recipe::MAX_SIZE},
     store::{definition, observer, ratings::Source},
     text::{
@@ -23,6 +22,8 @@ use crate::{
 /// Maximum number of conditions of a definition, unless the user allows more. A prediction takes milliseconds; a study
 /// has a hundred conditions.
 const MAX_CONDITIONS: usize = 500;
+/// The same maximum if each condition needs a rendered picture, which takes a few tenths of a second.
+const MAX_PICTURES: usize = 100;
 
 /// What to predict, how it is seen, and what the prediction is compared with.
 #[derive(Clone, Debug, PartialEq, clap::Args, Serialize)]
@@ -134,13 +135,13 @@ impl Predict {
         let stimuli: Vec<&Stimulus> = conditions.iter().map(|condition| &condition.stimulus).collect();
         let found = viewing.visible(&stimuli, self.size).map_err(wrong)?;
         let compared = |study: Study| {
-            prediction::compare_conditions(&study.measured.counts, &protocol, conditions, &found)
-                .map(|(comparison, _)| (comparison, study.source))
+            criterion::compare(&study.measured.counts, &protocol, conditions, &found)
+                .map(|comparison| (comparison, study.source))
                 .map_err(|error| anyhow::anyhow!("{}: {error}", self.fit[0].display()))
         };
         let fit = study.map(compared).transpose()?;
         let (criterion, least) = match &fit {
-            Some((comparison, _)) => (Some(comparison.criterion.clone()), prediction::LEAST),
+            Some((comparison, _)) => (Some(comparison.criterion.clone()), LEAST),
             None => (self.criterion()?, 0.0),
         };
         let detections = viewing.detections(&stimuli).map_err(wrong)?;
@@ -164,7 +165,7 @@ impl Predict {
     /// same factors, but their stimuli were others.
     fn study(&self, protocol: &Protocol) -> anyhow::Result<Study> {
         let ratings = Ratings { paths: self.fit.clone(), ..Ratings::default() };
-        let study = ratings.read(Default::default(), false, self.large).map_err(explained)?;
+        let study = ratings.read(Default::default(), false, self.large)?;
         match &study.source.protocol {
             Some(rated) if rated.stimulus != protocol.stimulus || rated.factors != protocol.factors => {
                 let path = self.fit[0].display();

@@ -83,6 +83,11 @@ impl RequestError {
         field + &self.text + &hint.unwrap_or_default()
     }
 
+    /// Returns the message without the field and without a hint at another one.
+    pub fn plain(&self) -> &str {
+        self.text.trim_start_matches([':', ' '])
+    }
+
     /// Reads an error of clap, which names options as the command line does.
     fn of(error: &clap::Error, command: &Command) -> Self {
         let context = |kind| error.get(kind).map(ToString::to_string);

@@ -7,11 +7,13 @@ use std::{
 
 use machband::{
     analysis::{Options, Resampling, Results, analyze, counts::MeasuredBuilder, terms::Terms},
-    experiment::RatingRow,
     report::figures::{self, Figure},
     stimulus::MachBand,
+    store::definition,
 };
 use resvg::usvg::{self, Group, Node, Tree, fontdb, roxmltree};
+
+use crate::report::add;
 
 /// Reads a chart as a browser would, in the font of the PNG.
 fn tree(figure: &Figure) -> Tree {
@@ -84,16 +86,7 @@ fn results(
             for repetition in 0..repetitions {
                 let Some(rating) = rating(subject, &levels, repetition) else { continue };
                 let seconds = 0.5 + 0.37 * ((subject * 7 + cell * 3 + repetition as usize) % 11) as f64;
-                let observation = RatingRow {
-                    subject: &format!("S{subject:03}"),
-                    values: &values,
-                    rating: &rating,
-                    count: 1,
-                    place: Some(("1", repetition)),
-                    position: None,
-                    response_time_s: Some(seconds),
-                };
-                builder.add(&observation).unwrap();
+                add(&mut builder, (&format!("S{subject:03}"), &values), &rating, Some(repetition), Some(seconds));
             }
         }
     }
@@ -226,24 +219,21 @@ fn charts_show_what_the_table_says() {
     }
 }
 
-/// Each of the two factors is on the horizontal axis once. The first line in each chart has black circles; means are
-/// weighted by the number of ratings. If each condition is predicted exactly as it is rated, the predicted chart is the
-/// measured chart without bars.
+/// Each of the two factors is on the horizontal axis once. The first line in each chart has black circles; each condition
+/// counts equally in a mean.
 #[test]
-fn lines_show_the_cells_of_two_factors_measured_and_predicted() {
+fn lines_show_the_cells_of_two_factors() {
     let factors: &[(&str, &[&str])] = &[("orientation_deg", &["0", "45"]), ("width", WIDTHS), ("depth", DEPTHS)];
     let results = results(factors, 3, 4, &no_model(), |subject, levels, repetition| {
         let rating = noise(subject * 1000 + levels[0] * 300 + levels[1] * 10 + levels[2] + 7 * repetition as usize) % 4;
         (levels[0] == 0 || repetition == 0).then(|| rating.to_string())
     });
-    let expected: Vec<Option<f64>> = results.cells.iter().map(|cell| Some(cell.summary.mean)).collect();
-    let (measured, predicted) = (figures::all(&results), figures::predicted(&results, &expected));
-    check(&predicted);
-    for (index, (name, own, other)) in [("figure4a", 1, 2), ("figure4b", 2, 1)].into_iter().enumerate() {
-        let (measured, predicted) = (named(&measured, name), &predicted[index]);
-        let grid: Vec<f64> = lines(measured, GRID).iter().map(|line| line[0].1).collect();
+    let figures = figures::all(&results);
+    for (name, own, other) in [("figure4a", 1, 2), ("figure4b", 2, 1)] {
+        let figure = named(&figures, name);
+        let grid: Vec<f64> = lines(figure, GRID).iter().map(|line| line[0].1).collect();
         let first = &results.measured.counts.factors[other].levels[0];
-        let points = circles(measured, "#000000");
+        let points = circles(figure, "#000000");
         // Three points, plus the sample in the legend.
         assert_eq!(points.len(), 4, "{name}");
         for (point, level) in points.iter().zip(&results.measured.counts.factors[own].levels) {
@@ -252,12 +242,15 @@ fn lines_show_the_cells_of_two_factors_measured_and_predicted() {
             let height = grid[0] + mean * (grid[3] - grid[0]) / 3.0;
             assert!((point.1 - height).abs() <= 1.0, "{name} {level}: {point:?} is not at {height}");
         }
-        assert_eq!(predicted.name, format!("{name}_predicted"));
-        assert_eq!((circles(predicted, "#000000"), lines(predicted, GRID)), (points, lines(measured, GRID)), "{name}");
-        assert!(lines(predicted, BAR).is_empty() && predicted.caption.contains("vision model"));
     }
-    let partly = [&[None], &expected[1..]].concat();
-    assert_ne!(figures::predicted(&results, &partly), predicted);
+}
+
+/// The picture of a stimulus is that of the first condition. Squares of one color in a column are one rectangle.
+#[test]
+fn a_stimulus_is_drawn_in_few_rectangles() {
+    let picture = figures::stimulus(&definition::open("bangay2003").unwrap()).unwrap();
+    assert!(picture.caption.contains("width 0.02, depth 1 and orientation 0°"), "{}", picture.caption);
+    assert!((65..=64 * 64).contains(&picture.svg.matches("<rect").count()));
 }
 
 #[test]

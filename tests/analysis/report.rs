@@ -8,14 +8,12 @@ use machband::{
         Options, Resampling, Results, analyze,
         counts::{Exclusions, Measured, MeasuredBuilder},
     },
-    experiment::{Definition, OrderedLogit, Protocol, RatingRow},
+    experiment::{OrderedLogit, Protocol, RatingRow},
     report::{
         Provenance,
         document::numbers::{NBSP, count},
-        figures,
-        prediction::StudyPrediction,
-        skins,
-        study::{self, Parts, Summary, document},
+        figures, skins,
+        study::{self, Summary, document},
     },
     stimulus::MachBand,
     store::{
@@ -57,7 +55,13 @@ fn noise(index: u64) -> f64 {
 }
 
 /// Adds a rating by a participant at some levels, with the repetition and the response time if they are known.
-fn add(builder: &mut MeasuredBuilder, who: (&str, &[&str]), rating: &str, repetition: Option<u32>, time: Option<f64>) {
+pub fn add(
+    builder: &mut MeasuredBuilder,
+    who: (&str, &[&str]),
+    rating: &str,
+    repetition: Option<u32>,
+    time: Option<f64>,
+) {
     let ((subject, values), place) = (who, repetition.map(|repetition| ("1", repetition)));
     builder
         .add(&RatingRow { subject, values, rating, count: 1, place, position: None, response_time_s: time })
@@ -102,11 +106,7 @@ fn results(people: usize, depths: &[&str], reversed: bool) -> Results {
 
 pub fn page(source: &Source, results: &Results) -> String {
     let provenance = Provenance::new("machband analyze data --out analysis", "2026-01-02T03:04:05Z".parse().unwrap());
-    let predicted = StudyPrediction::of(source, &results.measured.counts);
-    let mut drawn = figures::all(results);
-    drawn.extend(predicted.iter().flat_map(|predicted| figures::predicted(results, &predicted.ratings)));
-    let parts = Parts { figures: &drawn, prediction: Some(&predicted), provenance: Some(&provenance) };
-    skins::html(&document(source, results, parts), &provenance)
+    skins::html(&document(source, results, &figures::all(results), Some(&provenance)), &provenance)
 }
 
 /// Returns the text of a page after checking that the page is well-formed and has nothing that a browser would fetch or
@@ -304,45 +304,6 @@ fn participants_with_unusual_answers_are_named() {
     let cautions = study::summary(&source(&["width"]), &analyze(builder.finish(), &numbers)).cautions.join("\n");
     let ben = "\nParticipant ben used one category for at least 90\u{a0}% of their ratings.\n";
     assert_parts(&cautions, &[ben, "Participant cyd gave half of the answers within 0.3"]);
-}
-
-/// The report says in one sentence why there is no prediction, or else shows the prediction.
-#[test]
-fn the_report_shows_the_prediction_or_says_why_there_is_none() {
-    let results = results(3, &DEPTHS, false);
-    let protocol = definition::open("bangay2003").unwrap();
-    let predicted = |protocol: Option<&Protocol>, results: &Results| {
-        let page = page(&Source { protocol: protocol.cloned(), ..source(&FACTORS) }, results);
-        let section = page.split("<section id=\"vision\">").nth(1).unwrap().split("</section>").next().unwrap();
-        (text(&format!("<body>{section}</body></html>")), section.matches("<figure").count())
-    };
-    let why = |protocol: Option<&Protocol>, results: &Results, reason: &str| {
-        let (text, figures) = predicted(protocol, results);
-        assert_parts(&text, &["There is no prediction: ", reason]);
-        assert_eq!(figures, 0, "{reason}");
-    };
-    why(None, &results, "no definition");
-    why(Some(&protocol), &results, "varies orientation_deg, which is not a factor of this analysis");
-    let picture = figures::stimulus(&protocol).unwrap();
-    assert!(picture.caption.contains("width 0.02, depth 1 and orientation 0°"), "{}", picture.caption);
-    // Squares of one color in a column are one rectangle.
-    assert!((65..=64 * 64).contains(&picture.svg.matches("<rect").count()));
-    let two_factors = |definition: &mut Definition| definition.factors.truncate(2);
-    let protocol = protocol.with(two_factors).unwrap();
-    let (text_of_three, figures) = predicted(Some(&protocol), &results);
-    assert_eq!(figures, 4, "{text_of_three}");
-    let expected = ["window 10° wide", "100 cd/m²", "45 conditions and 270 ratings"];
-    assert_parts(&text_of_three, &expected);
-    // The window has the mean of the widths that the person saw.
-    let mut source = source(&FACTORS);
-    let seated = |deg: f64| Sitting {
-        viewing: Some(Geometry { stimulus_deg: deg, ..Geometry::default() }),
-        ..Sitting::default()
-    };
-    source.sessions = [4.0, 5.0].map(|deg| session(&protocol, "S001", seated(deg))).to_vec();
-    source.protocol = Some(protocol.clone());
-    let text = text(&page(&source, &self::results(1, &DEPTHS, false)));
-    assert_parts(&text, &["window 4.5° wide"]);
 }
 
 proptest! {

@@ -11,13 +11,13 @@ use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use machband::{
     analysis::{Options, Results, analyze, counts::Exclusions},
     report::{
-        Study,
         document::{Block, Shown},
         figures,
-        study::{Parts, document},
+        study::document,
     },
     stimulus::MachBand,
     store::ratings::ReadOptions,
+    work::Study,
 };
 
 use crate::{
@@ -86,7 +86,7 @@ fn drop_on(window: &mut Window, paths: &[&Path]) {
 fn wait_until_idle(window: &mut Window) {
     window.run_steps(20);
     for _ in 0..3000 {
-        let busy = ["Reading…", "Analyzing…", "Analyzing:", "Writing…", "Predicting…"];
+        let busy = ["Reading…", "Analyzing…", "Analyzing:", "Writing…"];
         if busy.iter().all(|busy| window.query_by_label_contains(busy).is_none()) {
             window.run_steps(2);
             return;
@@ -123,7 +123,7 @@ fn enter_terms(window: &mut Window, terms: &str) {
 /// Checks, section by section, that the window shows the document of these results.
 fn assert_document(window: &mut Window, study: &Study, results: &Results) {
     let figures = figures::all(results);
-    let document = document(&study.source, results, Parts { figures: &figures, ..Parts::default() });
+    let document = document(&study.source, results, &figures, None);
     assert!(document.sections.len() > 6 && figures.len() > 4);
     for section in &document.sections {
         click_and_rest(window, section.heading);
@@ -177,10 +177,6 @@ fn the_window_shows_the_document_and_follows_the_settings() {
     assert_document(&mut window, &study, &results);
     click(&mut window, "Data quality");
     assert_has(&window, "all sittings were run in the same way");
-    // The prediction of the vision model is computed only when its section is opened.
-    click(&mut window, "What the vision model predicts");
-    wait_for(&mut window, "the rank correlation between the prediction and the mean rating");
-    assert_has(&window, "Predicted mean rating by width");
 
     // Another link function gives another model.
     choose(&mut window, "Link", "probit");

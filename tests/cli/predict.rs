@@ -2,9 +2,9 @@
 
 use std::fs;
 
-use machband::store::definition;
+use machband::store::{definition, sidecar::Geometry};
 
-use crate::common::{fails, refuses, split, succeeds};
+use crate::common::{fails, json, machband, refuses, session_csv, split, succeeds, text};
 
 fn column(table: &str, name: &str) -> Vec<String> {
     let mut reader = csv::Reader::from_reader(table.as_bytes());
@@ -74,6 +74,26 @@ fn a_criterion_is_recovered_from_ratings() {
     let rho = output.lines().find(|line| line.starts_with("rank correlation")).unwrap();
     assert!(rho.rsplit(' ').next().unwrap().parse::<f64>().unwrap() > 0.95, "{output}");
     assert_eq!(fs::read_to_string(folder.path().join("predicted.csv")).unwrap().lines().count(), 121);
+}
+
+/// A prediction that is compared with ratings is that for the mean of the widths that people saw.
+#[test]
+fn the_window_is_as_wide_as_people_saw_it() {
+    let folder = tempfile::tempdir().unwrap();
+    succeeds(folder.path(), &split("simulate quick --participants 8 --seed 5"));
+    for (subject, stimulus_deg) in [("S001", 4.0), ("S002", 5.0)] {
+        let path = session_csv(&folder.path().join("results"), "quick", subject).with_extension("json");
+        let mut sidecar = json(&path);
+        let viewing = Geometry { stimulus_deg, ..Geometry::default() };
+        sidecar["sittings"][0]["viewing"] = serde_json::to_value(viewing).unwrap();
+        fs::write(&path, sidecar.to_string()).unwrap();
+    }
+    // A warning says that the sidecars were changed.
+    let output = machband(folder.path(), &split("predict quick --fit results --out seen.csv"));
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let seen = fs::read_to_string(folder.path().join("seen.csv")).unwrap();
+    let narrow = succeeds(folder.path(), &split("predict quick --window 4.5"));
+    assert_eq!(column(&seen, "band_bright"), column(&narrow, "band_bright"));
 }
 
 #[test]

@@ -9,7 +9,6 @@ use std::{
 
 use machband::{
     experiment::Identity,
-    report::Study,
     store::{
         check::check,
         dataset,
@@ -19,6 +18,7 @@ use machband::{
         session::{Changes, SessionStore},
         sidecar::{Pictures, Sitting},
     },
+    work::Study,
 };
 use serde_json::Value;
 

@@ -10,7 +10,6 @@ use machband::{
         Session, SessionOptions, State, TrialRecord,
     },
     light::Depth,
-    report::Study,
     store::{
         StoreError,
         check::{self, check},
@@ -21,6 +20,7 @@ use machband::{
         session::{Changes, Interrupted, SessionStore},
         sidecar::Sidecar,
     },
+    work::Study,
 };
 use proptest::prelude::*;
 

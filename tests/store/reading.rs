@@ -11,7 +11,6 @@ use std::{
 use flate2::read::GzDecoder;
 use machband::{
     experiment::{Identity, Phase, Protocol, RatingRow, TrialRecord, columns},
-    report::Study,
     store::{
         Columns, FileErrors,
         dataset::SessionPaths,
@@ -20,6 +19,7 @@ use machband::{
         session::SessionStore,
         table::List,
     },
+    work::Study,
 };
 
 use crate::{

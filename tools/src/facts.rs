@@ -4,8 +4,8 @@ use std::error::Error;
 
 use machband::{
     light::{Depth, Interpolation},
-    report::prediction::rank_correlation,
     vision::{Eye, Judge, Masking, RampBands, Sensitivity},
+    work::criterion::rank_correlation,
 };
 use rayon::prelude::*;
 use tools::thresholds::{CSF, NAMES, People, parameters, with};

@@ -37,12 +37,15 @@ const MANY_PER_PARAMETER: u64 = 50;
 /// A model with its tests.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ModelReport {
+    #[serde(flatten)]
     pub model: Model,
     /// Tests of each term against the model without it.
+    #[serde(rename = "likelihood_ratio")]
     pub terms: Vec<TermTest>,
     /// Tests of the two-way interactions that the model leaves out.
     pub interactions: Vec<Interaction>,
     /// The model's expected ratings in each condition on which it was fitted.
+    #[serde(skip)]
     pub predictions: Vec<Prediction>,
     /// The model's expected ratings at each level of each factor.
     pub margins: Vec<Margin>,

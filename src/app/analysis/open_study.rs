@@ -6,32 +6,22 @@ use eframe::egui;
 
 use super::{
     document::DocumentView,
-    opened::{Exported, Files, Opened, SUMMARY},
+    opened::{Files, Opened, SUMMARY, is_filtered},
     query::{Filters, ModelControls},
 };
 use crate::{
-    analysis::{Results, analyze_with, counts::Exclusions},
+    analysis::{analyze_with, counts::Exclusions},
     app::ui::{
         complain, parameter, secondary, theme,
         work::{BackgroundTask, Lost, Steps},
     },
-    report::{
-        Study,
-        document::{Document, numbers::count},
-        figures,
-        prediction::StudyPrediction,
-        study::{Parts, document},
-        study_files, write_files,
-    },
+    report::{Analyzed, document::numbers::count},
     store::{
         FileError,
         ratings::{Reason, SessionRead},
     },
-    work::Analyze,
+    work::{Analyze, Study},
 };
-
-/// Address and heading of the section that is computed only when it is opened, because it takes a while.
-const VISION: (&str, &str) = ("vision", "What the vision model predicts");
 
 /// The data and its analysis.
 pub struct OpenStudy {
@@ -43,13 +33,11 @@ pub struct OpenStudy {
     /// How far that one is.
     state: State,
     /// What needs no model, until everything is there.
-    draft: Option<(Outcome, DocumentView)>,
+    draft: Option<Outcome>,
     /// The progress of the running analysis.
     simulated: Arc<Steps>,
-    /// The last finished analysis and the view of its document.
-    shown: Option<(Outcome, DocumentView)>,
-    /// The running computation of the document with a prediction.
-    predicting: Option<BackgroundTask<Document>>,
+    /// The last finished analysis.
+    shown: Option<Outcome>,
 }
 
 /// How far an analysis is. While it is not done, the results are of what was selected before.
@@ -59,7 +47,7 @@ enum State {
     /// everything. The result is `None` if nothing is selected.
     Running {
         is_draft: bool,
-        task: BackgroundTask<Option<(Outcome, Document)>>,
+        task: BackgroundTask<Option<Outcome>>,
     },
     /// The user stopped it.
     Stopped,
@@ -70,12 +58,12 @@ enum State {
 /// The sections that need no model, so that they are shown at once. Numbers in them are final.
 const DRAFTED: [&str; 3] = ["health", "description", "agreement"];
 
-/// The results of an analysis, without the document.
+/// The results of an analysis, and the view of its document.
 struct Outcome {
-    request: Analyze,
-    results: Arc<Results>,
-    /// Whether something is excluded.
-    is_filtered: bool,
+    analyzed: Arc<Analyzed>,
+    /// How many people gave how many ratings, and whether something is excluded.
+    sample: String,
+    view: DocumentView,
 }
 
 impl OpenStudy {
@@ -88,7 +76,6 @@ impl OpenStudy {
             draft: None,
             simulated: Arc::default(),
             shown: None,
-            predicting: None,
             study: Arc::new(study),
         }
     }
@@ -113,16 +100,16 @@ impl OpenStudy {
         {
             self.state = State::Done;
             match result {
-                Ok(Some((outcome, document))) => {
+                Ok(Some(outcome)) => {
                     // The user may have sorted the tables of both.
                     let earlier = [&self.shown, &self.draft].into_iter().flatten();
-                    let view = earlier.fold(DocumentView::new(document), |view, (_, earlier)| view.after(earlier));
-                    let made = Some((outcome, view));
+                    let view = earlier.fold(outcome.view, |view, earlier| view.after(&earlier.view));
+                    let made = Some(Outcome { view, ..outcome });
                     if is_draft {
                         self.draft = made;
                         self.start(ctx, false);
                     } else {
-                        (self.shown, self.draft, self.predicting) = (made, None, None);
+                        (self.shown, self.draft) = (made, None);
                     }
                 }
                 Ok(None) => self.state = State::Empty,
@@ -132,12 +119,6 @@ impl OpenStudy {
                 }
             }
         }
-        if let Some(Ok(document)) = self.predicting.as_ref().and_then(BackgroundTask::poll)
-            && let Some((outcome, view)) = self.shown.take()
-        {
-            self.shown = Some((outcome, DocumentView::new(document).after(&view)));
-            self.predicting = None;
-        }
     }
 
     /// Begins an analysis when another one is requested; one that is still running is stopped.
@@ -146,7 +127,7 @@ impl OpenStudy {
         let request = Analyze { ratings, ..self.model.request.clone() };
         if self.last.as_ref() != Some(&request) {
             self.last = Some(request);
-            (self.draft, self.predicting) = (None, None);
+            self.draft = None;
             self.start(ctx, true);
         }
     }
@@ -157,7 +138,7 @@ impl OpenStudy {
         let Some(request) = self.last.clone() else { return };
         self.simulated = Arc::default();
         let (study, simulated) = (self.study.clone(), self.simulated.clone());
-        let compute = move || Outcome::new(&study, request, is_draft, &simulated);
+        let compute = move || Outcome::new(&study, &request, is_draft, &simulated);
         self.state = State::Running { is_draft, task: BackgroundTask::stoppable(ctx, compute) };
     }
 
@@ -176,7 +157,6 @@ impl OpenStudy {
         if matches!(self.state, State::Running { .. }) {
             (self.state, self.last, self.draft) = (State::Done, None, None);
         }
-        self.predicting = None;
     }
 }
 
@@ -187,13 +167,8 @@ impl Opened for OpenStudy {
     }
 
     fn headings(&self) -> Vec<(&'static str, &'static str)> {
-        let view = self.shown.as_ref().or(self.draft.as_ref());
-        let mut all: Vec<_> = view.iter().flat_map(|(_, view)| view.headings()).collect();
-        if !all.is_empty() && !all.contains(&VISION) {
-            let place = all.iter().position(|(id, _)| *id == "methods").unwrap_or(all.len());
-            all.insert(place, VISION);
-        }
-        all
+        let outcome = self.shown.as_ref().or(self.draft.as_ref());
+        outcome.iter().flat_map(|outcome| outcome.view.headings()).collect()
     }
 
     /// Draws a line of constant height.
@@ -225,46 +200,32 @@ impl Opened for OpenStudy {
             }
         }
         let is_drafted = self.is_drafted(section);
-        if let Some((outcome, _)) = if is_drafted { &self.draft } else { &self.shown } {
-            let counts = &outcome.results.measured.counts;
-            let filtered = if outcome.is_filtered { ", filtered" } else { "" };
-            let people = count(outcome.results.people() as u64, "participant");
+        if let Some(outcome) = if is_drafted { &self.draft } else { &self.shown } {
             let before = if self.is_stale() && !is_drafted { "Before: " } else { "" };
-            let text = format!("{before}{} by {people}{filtered}.", count(counts.total(), "rating"));
+            let text = format!("{before}{}", outcome.sample);
             ui.with_layout(left, |ui| ui.add(egui::Label::new(secondary(text)).truncate()));
         }
     }
 
     fn document(&mut self, ui: &mut egui::Ui, section: &str) -> bool {
         let (is_stale, is_drafted) = (self.is_stale(), self.is_drafted(section));
-        if let Some((_, draft)) = self.draft.as_mut().filter(|_| is_drafted) {
+        if let Some(Outcome { view, .. }) = self.draft.as_mut().filter(|_| is_drafted) {
             // In a scope as below, so that the page keeps its place.
             let show = |ui: &mut egui::Ui| match DRAFTED.contains(&section) {
-                true => draft.show(ui, section),
-                false => draft.summary(ui, true),
+                true => view.show(ui, section),
+                false => view.summary(ui, true),
             };
             return ui.scope(show).inner;
         }
-        let Some((outcome, view)) = &mut self.shown else { return true };
+        let Some(Outcome { view, .. }) = &mut self.shown else { return true };
         // Results of an earlier selection stay, dimmed, until the new ones are there.
-        let found = ui.scope(|ui| {
+        let show = |ui: &mut egui::Ui| {
             if is_stale {
                 ui.multiply_opacity(theme::STALE);
             }
             view.show(ui, section)
-        });
-        if !found.inner && !matches!(self.state, State::Empty) {
-            ui.horizontal(|ui| {
-                ui.spinner();
-                ui.label("Predicting…");
-            });
-            if self.predicting.is_none() && !is_stale {
-                let (study, results) = (self.study.clone(), outcome.results.clone());
-                let predict = move || with_prediction(&study, &results);
-                self.predicting = Some(BackgroundTask::stoppable(ui.ctx(), predict));
-            }
-        }
-        true
+        };
+        ui.scope(show).inner
     }
 
     fn about(&self) -> (String, [&[FileError]; 2]) {
@@ -297,31 +258,18 @@ impl Opened for OpenStudy {
         (asked != files.asked).then_some(asked)
     }
 
-    fn exported(&self) -> (Option<&Analyze>, Option<Exported<'_>>) {
+    fn exported(&self) -> (Option<&Analyze>, Option<&Arc<Analyzed>>) {
         // Only displayed results can be exported, not results that are still being computed.
-        let outcome = self.shown.as_ref().filter(|_| !self.is_stale()).map(|(outcome, _)| outcome);
-        let exported = outcome.map(|outcome| {
-            let (study, results) = (self.study.clone(), outcome.results.clone());
-            Exported {
-                request: &outcome.request,
-                is_filtered: outcome.is_filtered,
-                write: Arc::new(move |writer, made, folder| {
-                    // The report covers the ratings on which the results are based.
-                    let shown = Study { source: study.source.clone(), measured: results.measured.clone() };
-                    let contents = study_files(&shown, &results, made, folder, false)?;
-                    Ok(write_files(writer, folder, contents)?.len())
-                }),
-            }
-        });
-        (self.last.as_ref().filter(|_| !matches!(self.state, State::Empty)), exported)
+        let outcome = self.shown.as_ref().filter(|_| !self.is_stale());
+        let request = self.last.as_ref().filter(|_| !matches!(self.state, State::Empty));
+        (request, outcome.map(|outcome| &outcome.analyzed))
     }
 }
 
 impl Outcome {
     /// Analyzes the selected data; `None` if nothing is selected.
-    fn new(study: &Study, request: Analyze, is_draft: bool, simulated: &Steps) -> Option<(Self, Document)> {
-        let excluded = Exclusions::from(&request.ratings.how);
-        let measured = study.measured.narrowed(&excluded).ok()?;
+    fn new(study: &Study, request: &Analyze, is_draft: bool, simulated: &Steps) -> Option<Self> {
+        let measured = study.measured.narrowed(&Exclusions::from(&request.ratings.how)).ok()?;
         if measured.counts.total() == 0 {
             return None;
         }
@@ -331,16 +279,15 @@ impl Outcome {
             (options.max_coefficients, options.unchecked) = (Some(0), true);
         }
         let progress = |done: usize, all: usize| simulated.set(done as u64, all as u64);
-        let results = Arc::new(analyze_with(measured, &options, &progress));
-        let figures = figures::all(&results);
-        let document = document(&study.source, &results, Parts { figures: &figures, ..Parts::default() });
-        Some((Self { request, results, is_filtered: excluded != Exclusions::default() }, document))
+        let results = analyze_with(measured, &options, &progress);
+        let sample = format!(
+            "{} by {}{}.",
+            count(results.measured.counts.total(), "rating"),
+            count(results.people() as u64, "participant"),
+            if is_filtered(request) { ", filtered" } else { "" }
+        );
+        let analyzed = Analyzed::Ratings(study.source.clone().into(), results.into());
+        let view = DocumentView::new(analyzed.document(&analyzed.figures(), None));
+        Some(Self { analyzed: analyzed.into(), sample, view })
     }
-}
-
-fn with_prediction(study: &Study, results: &Results) -> Document {
-    let mut figures = figures::all(results);
-    let prediction = StudyPrediction::of(&study.source, &results.measured.counts);
-    figures.extend(prediction.iter().flat_map(|prediction| figures::predicted(results, &prediction.ratings)));
-    document(&study.source, results, Parts { figures: &figures, prediction: Some(&prediction), provenance: None })
 }

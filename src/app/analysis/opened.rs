@@ -1,23 +1,20 @@
 //! What the results of ratings and of other tasks share: the column of controls beside the sections; the export, which
 //! writes the files that `machband analyze` writes, or copies the command; and the files as they were when they were read.
 
-use std::{
-    path::{Path, PathBuf},
-    sync::Arc,
-    time::SystemTime,
-};
+use std::{path::PathBuf, sync::Arc, time::SystemTime};
 
 use eframe::egui::{self, CentralPanel, CollapsingHeader, Frame, Panel, RichText, ScrollArea};
 
 use crate::{
+    analysis::counts::Exclusions,
     app::ui::{
         Field, FileKind, Saving, Step, browse, complain, folded, full, heading, open, paragraph, pinned, say,
         text::{self, two_lines},
         theme::{self, ink},
         work::{BackgroundTask, Lost},
     },
-    report::{Provenance, document::numbers::whole, study::shell_command},
-    store::{FileError, StoreError, Writer, ratings::with_files},
+    report::{Analyzed, Provenance, document::numbers::whole, study::shell_command},
+    store::{FileError, StoreError, ratings::with_files},
     system::{found, now},
     work::{Analyze, words},
 };
@@ -52,7 +49,7 @@ pub trait Opened {
     fn controls(&mut self, ui: &mut egui::Ui, files: &Files) -> Option<Analyze>;
 
     /// Returns what is asked for, if anything is selected, and the results if they are of that.
-    fn exported(&self) -> (Option<&Analyze>, Option<Exported<'_>>);
+    fn exported(&self) -> (Option<&Analyze>, Option<&Arc<Analyzed>>);
 
     /// Draws of which data the section at an address is, and how far a newer analysis is.
     fn state(&mut self, _: &mut egui::Ui, _: &str) {}
@@ -66,19 +63,29 @@ pub struct Shell {
     pub files: Files,
     /// The address of the open section.
     section: &'static str,
-    export: Export,
+    /// The paths that were asked for, and the files in those that are folders. The export never replaces them.
+    inputs: Vec<PathBuf>,
+    /// The folder of the export, and the outcome of the last one.
+    saving: Saving,
+    export: Option<(PathBuf, BackgroundTask<Result<usize, StoreError>>)>,
+    /// The folder with the last export.
+    written: Option<PathBuf>,
 }
 
 impl Shell {
     /// Creates it for files that were asked for; `read` are the files that were read.
     pub fn new(files: Files, read: impl Iterator<Item = PathBuf>) -> Self {
-        let export = Export::new(&files.asked.ratings.paths, read);
-        Self { files, section: SUMMARY, export }
+        let paths = &files.asked.ratings.paths;
+        let name = paths.first().and_then(|path| path.file_stem()).filter(|name| !name.is_empty());
+        let name = name.map_or("machband".into(), |name| name.to_string_lossy());
+        let saving = Saving::to(format!("{name}-analysis"));
+        let inputs = paths.iter().cloned().chain(read).collect();
+        Self { files, section: SUMMARY, inputs, saving, export: None, written: None }
     }
 
     /// Keeps the place and the export of the same files.
     pub fn after(self, before: Self) -> Self {
-        Self { section: before.section, export: before.export, ..self }
+        Self { files: self.files, ..before }
     }
 
     /// Draws the data, which are dimmed while they are read again, and the `error` in reading them in another way.
@@ -157,11 +164,6 @@ impl Shell {
         text::errors(ui, error);
         other.or(asked.map(|asked| Request::Read(Box::new(asked))))
     }
-
-    fn export(&mut self, ui: &mut egui::Ui, opened: &dyn Opened, is_stale: bool) {
-        let (request, exported) = opened.exported();
-        self.export.show(ui, request, exported.as_ref().filter(|_| !is_stale));
-    }
 }
 
 /// Lists errors or warnings about the files.
@@ -216,48 +218,31 @@ fn seen(asked: &Analyze) -> Seen {
 /// Maximum number of lines of a message. The lower edge grows upward with it.
 const MESSAGE: usize = 6;
 
-/// The folder field and the outcome of the last export.
-#[derive(Default)]
-pub struct Export {
-    /// The paths and the files in those that are folders. The export never replaces them.
-    inputs: Vec<PathBuf>,
-    work: Option<(PathBuf, BackgroundTask<Result<usize, StoreError>>)>,
-    saving: Saving,
-    /// The folder with the last export.
-    written: Option<PathBuf>,
+/// Returns whether a request excludes something.
+pub fn is_filtered(request: &Analyze) -> bool {
+    Exclusions::from(&request.ratings.how) != Exclusions::default()
 }
 
-/// Writes the files of an analysis into a folder; returns their number.
-type Write = dyn Fn(&Writer, &Provenance, &Path) -> Result<usize, StoreError> + Send + Sync;
-
-pub struct Exported<'a> {
-    /// What was requested.
-    pub request: &'a Analyze,
-    /// Whether something is excluded.
-    pub is_filtered: bool,
-    pub write: Arc<Write>,
-}
-
-impl Export {
-    /// Creates the controls for results from these files, which are what was found at the paths that were asked for.
-    pub fn new(paths: &[PathBuf], files: impl Iterator<Item = PathBuf>) -> Self {
-        let name = paths.first().and_then(|path| path.file_stem()).filter(|name| !name.is_empty());
-        let name = name.map_or("machband".into(), |name| name.to_string_lossy());
-        let saving = Saving::to(format!("{name}-analysis"));
-        Self { saving, inputs: paths.iter().cloned().chain(files).collect(), ..Self::default() }
-    }
-
-    /// Draws the controls. Nothing can be exported while no results are shown; `request` is what was asked for.
-    pub fn show(&mut self, ui: &mut egui::Ui, request: Option<&Analyze>, exported: Option<&Exported<'_>>) {
+impl Shell {
+    /// Draws the controls of the export. Nothing can be exported while no results are shown.
+    fn export(&mut self, ui: &mut egui::Ui, opened: &dyn Opened, is_stale: bool) {
         self.take_outcome(ui.ctx());
+        let (request, analyzed) = opened.exported();
+        let analyzed = analyzed.filter(|_| !is_stale);
         let width = ui.available_width();
         let mut changed = self.saving.field(ui, Field::new("Export to the folder").width(width)).changed();
         ui.horizontal_wrapped(|ui| {
             let folder = self.saving.path();
-            let ready = exported.is_some() && self.work.is_none() && !folder.as_os_str().is_empty();
+            let ready = analyzed.is_some() && self.export.is_none() && !folder.as_os_str().is_empty();
             let writer = self.saving.button(ui, "Export", ready, &self.inputs);
-            if let Some((exported, writer)) = exported.zip(writer) {
-                self.start(ui.ctx(), folder, writer, exported);
+            if let Some(((analyzed, request), writer)) = analyzed.zip(request).zip(writer) {
+                self.written = None;
+                let (analyzed, made, to) = (analyzed.clone(), self.command(request), folder.clone());
+                let work = move || {
+                    let files = analyzed.write(&writer, &to, &Provenance::new(made, now()), false)?;
+                    Ok(files.len())
+                };
+                self.export = Some((folder, BackgroundTask::start(ui.ctx(), work)));
             }
             let name = "Choose the folder to export to…";
             changed |= browse(ui, FileKind::Folder, name, &mut self.saving.typed);
@@ -268,7 +253,7 @@ impl Export {
         }
         let ink = ink(ui);
         let (note, color) = match self.saving.told(ui.ctx()) {
-            _ if self.work.is_some() => ("Writing…", ink.dim),
+            _ if self.export.is_some() => ("Writing…", ink.dim),
             Some(error) => (error, ink.bad),
             None => ("", ink.dim),
         };
@@ -279,7 +264,7 @@ impl Export {
             ui.ctx().copy_text(command.clone());
             say(ui.ctx(), format!("Copied: {command}"));
         }
-        let included = match exported.map(|exported| exported.is_filtered) {
+        let included = match request.filter(|_| analyzed.is_some()).map(is_filtered) {
             None => "",
             Some(false) => "The export includes all data.",
             Some(true) => "The export includes only the data shown.",
@@ -288,7 +273,7 @@ impl Export {
     }
 
     fn take_outcome(&mut self, ctx: &egui::Context) {
-        let Some((folder, work)) = &self.work else { return };
+        let Some((folder, work)) = &self.export else { return };
         let Some(files) = work.poll() else { return };
         let files = files.unwrap_or_else(|Lost| {
             let what = "the export ended unexpectedly; expected files in the folder".to_owned();
@@ -297,7 +282,7 @@ impl Export {
         let outcome = files.map(|files| format!("{files} files written to {}", full(folder).display()));
         self.written = outcome.is_ok().then(|| folder.clone());
         self.saving.finish(folder, outcome);
-        self.work = None;
+        self.export = None;
         ctx.request_repaint();
     }
 
@@ -317,13 +302,6 @@ impl Export {
             ui.add_enabled(is_ready, egui::Button::new("Copy as command")).clicked()
         })
         .inner
-    }
-
-    fn start(&mut self, ctx: &egui::Context, folder: PathBuf, writer: Writer, exported: &Exported<'_>) {
-        self.written = None;
-        let (write, to, command) = (exported.write.clone(), folder.clone(), self.command(exported.request));
-        let work = move || write(&writer, &Provenance::new(command, now()), &to);
-        self.work = Some((folder, BackgroundTask::start(ctx, work)));
     }
 
     /// Returns the command that repeats the request.

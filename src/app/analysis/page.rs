@@ -15,7 +15,7 @@ use crate::{
         Field, FileKind, Step, dialog, escaped, heading, hint, paragraph, place_page, section, show_error,
         work::{BackgroundTask, Lost},
     },
-    work::{Analyze, Ratings},
+    work::{Analyze, Ratings, RequestError},
 };
 
 /// The name of what opens the dialogs.
@@ -71,7 +71,11 @@ fn read(asked: &Analyze) -> Reading {
         let shell = Shell::new(files, study.files.iter().map(|(path, _)| path.clone()));
         return Ok((shell, Open::Task(OpenTask::new(study, asked).into())));
     }
-    let study = asked.read_unordered().map_err(|errors| errors.to_string())?;
+    let plain = |error: anyhow::Error| match error.downcast_ref::<RequestError>() {
+        Some(request) => request.plain().to_owned(),
+        None => error.to_string(),
+    };
+    let study = asked.read_unordered().map_err(plain)?;
     let shell = Shell::new(files, study.source.files.iter().map(|file| file.path.clone()));
     Ok((shell, Open::Ratings(OpenStudy::new(study).into())))
 }

@@ -6,13 +6,12 @@ use eframe::egui::{self, Button, ScrollArea};
 
 use crate::{
     app::ui::{Field, hint, paragraph, primary, section, show_error, text::name as label},
-    report::Study,
     store::{
         ratings::{ReadOptions, column_names},
         table::List,
     },
     system::{entries, found},
-    work::Ratings,
+    work::{Ratings, Study},
 };
 
 /// Common names of participant columns; the first match is suggested.

@@ -6,17 +6,12 @@ use eframe::egui;
 
 use super::{
     document::DocumentView,
-    opened::{Exported, Files, Opened},
+    opened::{Files, Opened},
     query,
 };
 use crate::{
     app::ui::hint,
-    report::{
-        document::numbers::count,
-        task_files,
-        tasks::{TaskResults, TaskStudy, document, figures},
-        write_files,
-    },
+    report::{Analyzed, document::numbers::count, tasks::TaskStudy},
     store::{FileError, table::List},
     text::names::natural,
     work::Analyze,
@@ -25,7 +20,10 @@ use crate::{
 /// The results of a task, as they are shown.
 pub struct OpenTask {
     asked: Analyze,
-    made: Arc<(TaskStudy, TaskResults)>,
+    title: String,
+    /// How many people gave how many answers.
+    sample: String,
+    analyzed: Arc<Analyzed>,
     /// All participants, and those who are to be left out.
     people: Vec<String>,
     excluded: Vec<String>,
@@ -35,13 +33,16 @@ pub struct OpenTask {
 impl OpenTask {
     /// Analyzes a study.
     pub fn new(study: TaskStudy, asked: &Analyze) -> Self {
-        let results = TaskResults::of(&study, asked.resampling.seed);
-        let view = DocumentView::new(document(&study, &results, &figures(&study, &results), None));
         let excluded = asked.ratings.how.exclude.clone().unwrap_or_default().0;
         // Those who are left out were not read.
         let mut people = [&study.people[..], &excluded].concat();
         people.sort_by(|a, b| natural(a, b));
-        Self { asked: asked.clone(), made: Arc::new((study, results)), people, excluded, view }
+        let sample =
+            format!("{}, {}.", count(study.people.len() as u64, "participant"), count(study.answers(), "answer"));
+        let title = study.asked.title.clone();
+        let analyzed = asked.analyze_task(study);
+        let view = DocumentView::new(analyzed.document(&analyzed.figures(), None));
+        Self { asked: asked.clone(), title, sample, analyzed: analyzed.into(), people, excluded, view }
     }
 
     /// Keeps the pictures of the same data with another selection, or as they were before.
@@ -60,14 +61,11 @@ impl Opened for OpenTask {
     }
 
     fn about(&self) -> (String, [&[FileError]; 2]) {
-        let study = &self.made.0;
-        (study.asked.title.clone(), [&study.errors, &[]])
+        (self.title.clone(), self.analyzed.problems())
     }
 
     fn controls(&mut self, ui: &mut egui::Ui, _: &Files) -> Option<Analyze> {
-        let study = &self.made.0;
-        let people = count(study.people.len() as u64, "participant");
-        hint(ui, format!("{people}, {}.", count(study.answers(), "answer")));
+        hint(ui, &self.sample);
         let before = self.excluded.clone();
         query::people(ui, &self.people, &mut self.excluded);
         if ui.add_enabled(!self.excluded.is_empty(), egui::Button::new("Select everything")).clicked() {
@@ -80,17 +78,7 @@ impl Opened for OpenTask {
         })
     }
 
-    fn exported(&self) -> (Option<&Analyze>, Option<Exported<'_>>) {
-        let Self { asked, made, excluded, .. } = self;
-        let made = made.clone();
-        let exported = Exported {
-            request: asked,
-            is_filtered: !excluded.is_empty(),
-            write: Arc::new(move |writer, provenance, folder| {
-                let contents = task_files(&made.0, &made.1, provenance, folder, false)?;
-                Ok(write_files(writer, folder, contents)?.len())
-            }),
-        };
-        (Some(asked), Some(exported))
+    fn exported(&self) -> (Option<&Analyze>, Option<&Arc<Analyzed>>) {
+        (Some(&self.asked), Some(&self.analyzed))
     }
 }

@@ -4,7 +4,6 @@ use crate::{
     analysis::{
         Results,
         counts::{Counts, Factor},
-        number_of,
     },
     report::{document::count, names},
 };
@@ -48,8 +47,7 @@ pub(super) fn fit(text: &str, room: f64) -> String {
 
 /// Formats a level for readers; the depth `inf` becomes ∞.
 pub(super) fn level(name: &str) -> String {
-    let shown = names::level(names::Known::None, "", &name.to_ascii_lowercase());
-    if number_of(name).is_some() { shown.to_string() } else { name.to_owned() }
+    names::level(names::Known::None, "", name).to_string()
 }
 
 /// States the size of the sample: `8 participants, 1,920 ratings`.

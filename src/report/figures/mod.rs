@@ -16,7 +16,6 @@ use rayon::prelude::*;
 use crate::analysis::Results;
 
 pub use display::{calibration, calibration_tables, intervals, stimulus};
-pub use ratings::predicted;
 pub use svg::{Figure, Pixels, Plotted};
 
 /// Draws every chart for which there are data, in report order.

@@ -52,24 +52,20 @@ pub fn on_dark(svg: &str) -> String {
         (ORANGE, YELLOW),
         (SKY, Rgb(0xb8, 0xb8, 0xb8)),
     ];
-    let mut drawn = String::with_capacity(svg.len());
-    let mut rest = svg;
-    while let Some(place) = rest.find('#') {
-        drawn.push_str(&rest[..place]);
-        rest = &rest[place..];
-        let digits = rest.get(1..7).filter(|digits| digits.bytes().all(|digit| digit.is_ascii_hexdigit()));
+    let mut parts = svg.split('#');
+    let mut drawn = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let digits = part.get(..6).filter(|digits| digits.bytes().all(|digit| digit.is_ascii_hexdigit()));
         let Some(code) = digits.and_then(|digits| u32::from_str_radix(digits, 16).ok()) else {
-            drawn.push('#');
-            rest = &rest[1..];
+            drawn.extend(["#", part]);
             continue;
         };
         let [_, r, g, b] = code.to_be_bytes();
         let color = Rgb(r, g, b);
         let known = SERIES.iter().find(|(on_white, _)| *on_white == color).map(|(_, dark)| *dark);
-        drawn.push_str(&known.unwrap_or_else(|| color.reversed(CARD)).to_string());
-        rest = &rest[7..];
+        drawn.extend([&*known.unwrap_or_else(|| color.reversed(CARD)).to_string(), &part[6..]]);
     }
-    drawn + rest
+    drawn
 }
 
 impl Rgb {

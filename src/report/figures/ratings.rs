@@ -1,7 +1,6 @@
 //! Charts of ratings. As in Figure 4 of Bangay's paper, one chart shows the means by one factor, with
-//! one line for each level of the other factor, and a second chart shows the reverse. Both exist for the measured means and for
-//! the means that the vision model predicts. Other charts show the means by direction and by participant, and how often each
-//! category was used, with one bar for each level of a factor.
+//! one line for each level of the other factor, and a second chart shows the reverse. Other charts show the means by direction
+//! and by participant, and how often each category was used, with one bar for each level of a factor.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -15,7 +14,7 @@ use crate::{
     analysis::{
         Results,
         counts::Factor,
-        summary::{Group, by_levels, means_as, means_by_subject},
+        summary::{Group, by_levels, means_by_subject},
     },
     report::{document::whole_percent, names},
     statistics::Interval,
@@ -30,9 +29,6 @@ const WHAT: &str = "Mean rating";
 /// A mean and its interval.
 pub(super) type Mean = (f64, Option<Interval>);
 
-/// Means, by the levels of the factors shown.
-type Means = HashMap<Vec<String>, Mean>;
-
 /// One line of a chart, with a mean for each level of the factor on the horizontal axis.
 pub(super) struct Line {
     /// The level of the other factor; empty if there is none.
@@ -44,50 +40,17 @@ pub(super) struct Line {
 /// Draws `figure4a` and, if there are two factors, `figure4b`. The factors are width and depth if both exist.
 pub(super) fn figures(results: &Results) -> Vec<Figure> {
     let factors = chosen(&results.measured.counts);
-    let names = ["figure4a", "figure4b"];
-    let means = of_groups(by_levels(&results.measured.counts, &factors));
-    charts(results, &factors, &means, names, WHAT, &labels::bars(results))
+    let means = by_levels(&results.measured.counts, &factors);
+    let chart = |of| by_factor(results, &factors, &means, of);
+    (0..factors.len()).zip(["figure4a", "figure4b"]).map(chart).collect()
 }
 
-/// Draws Figure 4 as predicted by the vision model: `figure4a_predicted` and `figure4b_predicted`. `expected` contains
-/// the predicted rating, as a category value, for each condition of the counts; `None` if there is no prediction.
-/// Participants and their conditions count equally, as in the measured means.
-pub fn predicted(results: &Results, expected: &[Option<f64>]) -> Vec<Figure> {
-    let counts = &results.measured.counts;
-    let factors = chosen(counts);
-    let means = means_as(counts, &factors, expected).into_iter().map(|(names, mean)| (names, (mean, None))).collect();
-    let names = ["figure4a_predicted", "figure4b_predicted"];
-    let source = "by the vision model, with its criterion fitted to the ratings";
-    charts(results, &factors, &means, names, "Predicted mean rating", source)
-}
-
-fn of_groups(groups: Vec<Group>) -> Means {
-    groups.into_iter().map(|group| (group.names, (group.summary.mean, group.summary.interval))).collect()
-}
-
-/// Draws one chart by each factor, with one line for each level of the other.
-fn charts(
-    results: &Results,
-    factors: &[usize],
-    means: &Means,
-    names: [&'static str; 2],
-    what: &str,
-    source: &str,
-) -> Vec<Figure> {
-    let factors: Vec<&Factor> = factors.iter().map(|&factor| &results.measured.counts.factors[factor]).collect();
-    let one = |of| by_factor(results, &factors, means, of, what, source);
-    (0..factors.len()).zip(names).map(one).collect()
-}
-
-fn by_factor(
-    results: &Results,
-    factors: &[&Factor],
-    means: &Means,
-    (x, name): (usize, &'static str),
-    what: &str,
-    source: &str,
-) -> Figure {
-    let (across, by) = (factors[x], factors.get(1 - x));
+/// Draws the means by the factor at a place, with one line for each level of the other, if there is one.
+fn by_factor(results: &Results, factors: &[usize], means: &[Group], (x, name): (usize, &'static str)) -> Figure {
+    let all = &results.measured.counts.factors;
+    let means: HashMap<&[String], Mean> =
+        means.iter().map(|own| (&*own.names, (own.summary.mean, own.summary.interval))).collect();
+    let (across, by) = (&all[factors[x]], factors.get(1 - x).map(|by| &all[*by]));
     let shown = evenly(by.map_or(1, |by| by.levels.len()), MAX_SERIES);
     let line = |(index, &level): (usize, &usize)| {
         let level = by.map(|by| &by.levels[level]);
@@ -96,7 +59,7 @@ fn by_factor(
             if x == 1 {
                 key.reverse();
             }
-            means.get(&key).copied()
+            means.get(&*key).copied()
         };
         Line {
             name: level.map(|level| labels::level(level)).unwrap_or_default(),
@@ -106,7 +69,7 @@ fn by_factor(
     };
     let lines: Vec<Line> = shown.iter().enumerate().map(line).collect();
     let levels = Levels::of(across);
-    let mut title = format!("{what} by {}", names::factor(results, &across.name));
+    let mut title = format!("{WHAT} by {}", names::factor(results, &across.name));
     let mut caption = String::new();
     if let Some(by) = by {
         let thing = if levels.ordered { "line" } else { "marker" };
@@ -114,12 +77,12 @@ fn by_factor(
         title += &format!(" and {by_name}");
         caption = format!("one {thing} for each level of {by_name}{some}; ");
     }
-    let caption = names::capitalized(&format!("{caption}{source}."));
+    let caption = names::capitalized(&format!("{caption}{}.", labels::bars(results)));
     let heading = by.map(|by| names::heading(results, &by.name)).unwrap_or_default();
     let series: Vec<(Series, &str)> = lines.iter().map(|line| (line.series, line.name.as_str())).collect();
-    let values = (Values::ratings(&results.measured.counts), what);
+    let values = (Values::ratings(&results.measured.counts), WHAT);
     let axis = (&levels, &*names::axis(results, &across.name));
-    let names = [Some(&across), by].map(|of| of.map_or_else(String::new, |of| names::factor(results, &of.name)));
+    let names = [Some(across), by].map(|of| of.map_or_else(String::new, |of| names::factor(results, &of.name)));
     chart(name, [title, caption], values, axis, (&heading, &series, levels.ordered), |svg, panel| {
         draw(svg, panel, &levels, &lines, [&names[0], &names[1]]);
     })
@@ -162,9 +125,7 @@ pub(super) fn orientation(results: &Results) -> Option<Figure> {
     let counts = &results.measured.counts;
     let is_direction = |factor: &Factor| factor.is_direction && factor.levels.len() > 1;
     let index = counts.factors.iter().position(is_direction).filter(|index| !chosen(counts).contains(index))?;
-    let means = of_groups(by_levels(counts, &[index]));
-    let name = (0, "orientation");
-    Some(by_factor(results, &[&counts.factors[index]], &means, name, WHAT, &labels::bars(results)))
+    Some(by_factor(results, &[index], &by_levels(counts, &[index]), (0, "orientation")))
 }
 
 /// Draws `subjects`, if there are several: every participant's mean rating by the most interesting factor, and the mean of all ratings.

@@ -48,10 +48,10 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
     let before = caveat(results, factor, size.as_ref()).unwrap_or_default();
     if is_unknown(factor) {
         let verdict = |evidence: Evidence| verdict(&name, &evidence.test, evidence.p);
-        return before + &evidence.map_or_else(|| untested(results, factor), verdict);
+        return before + &evidence.map_or_else(|| untested(results, &factor.name), verdict);
     }
     let Some(evidence) = evidence else {
-        return format!("{before}{}. {}", means(results, factor), untested(results, factor));
+        return format!("{before}{}. {}", means(results, factor), untested(results, &factor.name));
     };
     let p = p_is(evidence.p);
     let is_trend = !evidence.is_rank_test && is_slope(results, &factor.name);
@@ -158,12 +158,12 @@ pub(super) fn verdict(name: &str, test: &str, p: f64) -> String {
     format!("{verdict} {name} ({test}, {}).", p_is(p))
 }
 
-/// Returns why the model does not test a factor, if it does not.
-pub(super) fn reason(results: &Results, factor: &FactorResults) -> Option<String> {
+/// Returns why the model does not test a factor or covariate, if it does not.
+pub(super) fn reason(results: &Results, factor: &str) -> Option<String> {
     if let Err(error) = &results.model {
         return Some(format!("there is no model ({error})"));
     }
-    let Some(term) = main_effect(results, &factor.name) else {
+    let Some(term) = main_effect(results, factor) else {
         return Some("it is not a term of the model".to_owned());
     };
     let withheld = likelihood_ratio(results, term).and_then(|test| test.withheld).map(|reason| reason.to_string());
@@ -174,9 +174,9 @@ pub(super) fn reason(results: &Results, factor: &FactorResults) -> Option<String
     withheld.or_else(|| results.spec.items.as_ref().map(|_| items.to_owned()))
 }
 
-/// Says why a factor could not be tested.
-fn untested(results: &Results, factor: &FactorResults) -> String {
-    let name = names::factor(results, &factor.name);
+/// Says why a factor or covariate could not be tested.
+pub(super) fn untested(results: &Results, factor: &str) -> String {
+    let name = names::factor(results, factor);
     let nothing = || format!("no participant has comparable ratings at every level of {name}");
     let reason = reason(results, factor).unwrap_or_else(nothing);
     format!("The effect of {name} could not be tested: {reason}.")
@@ -253,22 +253,20 @@ pub(super) fn is_clustered(results: &Results) -> bool {
     !results.ignores_people() && results.model.as_ref().is_ok_and(|report| accounts(&report.model))
 }
 
-/// Returns whether a factor's likelihood ratio, if it is not withheld, can be relied on: the model allows for all ways in
-/// which participants may differ, unless the user said otherwise, or there is only one participant.
-fn is_reliable(results: &Results, factor: &FactorResults) -> bool {
-    let allows = !factor.within || results.spec.slopes != Slopes::None;
-    !results.is_inferential() || is_clustered(results) && allows
+/// Returns the likelihood ratio of a main effect, and its p, if it is not withheld and can be relied on: the model allows for all
+/// ways in which participants may differ, unless the user said otherwise, or there is only one participant. `within`: it
+/// varies within participants.
+pub(super) fn in_model<'a>(results: &'a Results, name: &str, within: bool) -> Option<(&'a TermTest, f64)> {
+    let allows = !within || results.spec.slopes != Slopes::None;
+    let is_reliable = !results.is_inferential() || is_clustered(results) && allows;
+    let test = likelihood_ratio(results, main_effect(results, name).filter(|_| is_reliable)?)?;
+    Some((test, test.p?))
 }
 
 /// Returns the test that leads: the likelihood ratio of the factor's main effect if it can be relied on, and otherwise
 /// Friedman's test.
 pub(super) fn evidence(results: &Results, factor: &FactorResults) -> Option<Evidence> {
-    let test = main_effect(results, &factor.name)
-        .filter(|_| is_reliable(results, factor))
-        .and_then(|term| likelihood_ratio(results, term));
-    if let Some(test) = test
-        && let Some(p) = test.p
-    {
+    if let Some((test, p)) = in_model(results, &factor.name, factor.within) {
         return Some(Evidence { test: ratio_test(test), p, is_rank_test: false });
     }
     let test = factor.friedman.filter(|_| factor.within && results.is_inferential())?;
@@ -286,7 +284,7 @@ pub(super) fn ratio_test(test: &TermTest) -> String {
     format!("likelihood-ratio test{simulated}: χ²({}) = {}", test.df, fixed(test.chi_squared, 1))
 }
 
-pub(super) fn likelihood_ratio<'a>(results: &'a Results, term: &Term) -> Option<&'a TermTest> {
+fn likelihood_ratio<'a>(results: &'a Results, term: &Term) -> Option<&'a TermTest> {
     results.model.as_ref().ok()?.terms.iter().find(|test| test.term == *term)
 }
 

@@ -14,7 +14,7 @@ use crate::{
     report::document::{Section, Shown, TableOf, count, list, whole},
     store::{
         ratings::{FileRead, Reason, SessionRead, Source},
-        sidecar::{SimulatedObserver, Sitting},
+        sidecar::SimulatedObserver,
     },
 };
 
@@ -49,9 +49,7 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
         format!("{}, session {}: {} of {planned} are rated.", session.subject, session.session, session.rated)
     });
     section.list(unfinished.collect());
-    if all_sittings(source, results).next().is_some() {
-        screens(&mut section, source, results);
-    }
+    screens(&mut section, source, results);
     section
 }
 
@@ -69,11 +67,17 @@ pub(super) fn finished_sentence(source: &Source, results: &Results) -> Option<St
 
 /// Lists what happened according to the sidecars, and in what the sittings differ.
 fn screens(section: &mut Section, source: &Source, results: &Results) {
+    let sessions = sessions(source, results);
+    let mut sittings =
+        sessions.flat_map(|session| session.sittings().map(move |sitting| (session, sitting))).peekable();
+    if sittings.peek().is_none() {
+        return;
+    }
     section.heading("Screens and incidents");
     // What was noted, and in how many sittings.
     let mut noted: BTreeMap<String, u64> = BTreeMap::new();
     let mut settings: BTreeMap<&str, BTreeSet<String>> = BTreeMap::new();
-    for (session, sitting) in all_sittings(source, results) {
+    for (session, sitting) in sittings {
         let problems = sitting.preflight.iter().filter(|note| !note.ok).map(|note| note.sentence.clone());
         let of_session = |text| format!("{}, session {}: {text}", session.subject, session.session);
         for text in problems.chain(sitting.incidents.iter().map(of_session)) {
@@ -161,27 +165,10 @@ fn sessions<'a>(source: &'a Source, results: &Results) -> impl Iterator<Item = &
     source.sessions.iter().filter(move |session| !excluded.contains(&session.subject))
 }
 
-/// Returns every sitting of the participants who were not excluded, with its session.
-pub(super) fn all_sittings<'a>(
-    source: &'a Source,
-    results: &Results,
-) -> impl Iterator<Item = (&'a SessionRead, &'a Sitting)> {
-    sessions(source, results).flat_map(|session| sittings(session).map(move |sitting| (session, sitting)))
-}
-
-fn sittings(session: &SessionRead) -> impl Iterator<Item = &Sitting> {
-    session.sidecar.iter().flat_map(|sidecar| &sidecar.sittings)
-}
-
-/// True if any ratings of a session come from a program instead of a person.
-fn is_simulated(session: &SessionRead) -> bool {
-    sittings(session).any(|sitting| sitting.observer.is_some())
-}
-
 /// Returns the analyzed participants who have any ratings from a program: how many, and how many ratings they have.
 pub(super) fn simulated<'a>(source: &'a Source, results: &Results) -> BTreeMap<&'a str, [u64; 2]> {
     let recorded = source.sessions.iter().filter(|session| session.sidecar.is_some());
-    let of = |session: &SessionRead| [if is_simulated(session) { session.rated } else { 0 }, session.rated];
+    let of = |session: &SessionRead| [if session.is_simulated() { session.rated } else { 0 }, session.rated];
     let sessions = recorded.map(|session| (&session.subject, of(session)));
     let tables = source.files.iter().flat_map(|file| &file.simulated).map(|(subject, counts)| (subject, *counts));
     let mut all = BTreeMap::<&str, [u64; 2]>::new();

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use super::{
     findings::{
-        ALPHA, evidence, is_clustered, is_slope, likelihood_ratio, main_effect, on_scale, over_range, range_of,
+        self, ALPHA, evidence, in_model, is_clustered, is_slope, main_effect, on_scale, over_range, range_of,
         ratio_test, verdict,
     },
     names,
@@ -128,9 +128,7 @@ pub(super) fn interaction(results: &Results, found: &Dependence<'_>) -> Option<S
             text.extend(slopes(results, number, at));
         }
         ([of, at], _) if found.names.len() == 2 => {
-            let comparisons = results.model.as_ref().map_or(&[][..], |report| &report.comparisons);
-            let is_compared = found.is_modeled && number.is_none();
-            text += &simple_effects(results, of, at, is_compared.then_some(comparisons));
+            text += &simple_effects(results, of, at, found.is_modeled && number.is_none());
         }
         ([.., at], _) if found.names.len() > 2 => {
             let level = &at.levels[0].names[0];
@@ -144,97 +142,96 @@ pub(super) fn interaction(results: &Results, found: &Dependence<'_>) -> Option<S
     Some(text)
 }
 
-/// Returns a factor at each level of another one at which it varies, with the means that the tests are of.
-fn strata(
-    results: &Results,
-    of: &FactorResults,
-    at: &FactorResults,
-    comparisons: Option<&[Comparison]>,
-) -> Vec<(usize, FactorResults)> {
-    let counts = &results.measured.counts;
-    let (Some((own, _)), Some((other, _))) = (counts.factor(&of.name), counts.factor(&at.name)) else {
-        return Vec::new();
-    };
-    let stratum = |(place, group): (usize, &Group)| {
-        let level = counts.factors[other].levels.iter().position(|level| *level == group.names[0]);
-        let level = level.map(|level| level as u32);
-        let stratum = factor_results(&results.measured.filtered(|_| true, |levels| levels[other] == level), own);
-        let margin = |level: &str| match comparisons {
-            Some(_) => compared(comparisons, of, at, place).find_map(|own| own.expected_at(level)),
-            None => {
-                let own = stratum.matched.levels.iter().position(|own| own == level)?;
-                Some(mean_and_sd(&stratum.matched.rows.iter().map(|(_, row)| row[own]).collect::<Vec<_>>()).0)
-            }
-        };
-        (stratum.levels.len() > 1).then(|| (place, stratum.with_margins(margin, false)))
-    };
-    at.levels.iter().enumerate().filter_map(stratum).collect()
+/// A factor at one level of another one.
+struct Stratum<'a> {
+    level: &'a Group,
+    /// The factor, with the means that the tests are of.
+    of: FactorResults,
+    /// The comparison in the model that describes its effect.
+    comparison: Option<&'a Comparison>,
 }
 
-/// Returns the comparisons of a factor's levels at a level of another one.
-fn compared<'a>(
-    comparisons: Option<&'a [Comparison]>,
+/// Returns a factor at each level of another one at which it varies. `is_compared`: the model has comparisons of its levels there.
+fn strata<'a>(
+    results: &'a Results,
     of: &'a FactorResults,
     at: &'a FactorResults,
-    place: usize,
+    is_compared: bool,
+) -> Vec<Stratum<'a>> {
+    let counts = &results.measured.counts;
+    let (Some((own, _)), Some((other, factor))) = (counts.factor(&of.name), counts.factor(&at.name)) else {
+        return Vec::new();
+    };
+    let stratum = |group: &'a Group| {
+        let level = factor.levels.iter().position(|level| *level == group.names[0]).map(|level| level as u32);
+        let found = factor_results(&results.measured.filtered(|_| true, |levels| levels[other] == level), own);
+        let compared = || compared(results, &of.name, at, group).filter(|_| is_compared);
+        let margin = |level: &str| {
+            if is_compared {
+                return compared().find_map(|own| own.expected_at(level));
+            }
+            let own = found.matched.levels.iter().position(|own| own == level)?;
+            Some(mean_and_sd(&found.matched.rows.iter().map(|(_, row)| row[own]).collect::<Vec<_>>()).0)
+        };
+        let of = found.with_margins(margin, false);
+        let pair = of.contrast().0.map(|level| of.levels.get(level).map_or("", |group| &group.names[0]));
+        let comparison = compared().find(|own| pair == [&*own.other, &*own.level]);
+        (of.levels.len() > 1).then_some(Stratum { level: group, of, comparison })
+    };
+    at.levels.iter().filter_map(stratum).collect()
+}
+
+/// Returns the model's comparisons of the levels of a factor, or of a number, at a level of another factor.
+fn compared<'a>(
+    results: &'a Results,
+    of: &'a str,
+    at: &'a FactorResults,
+    level: &'a Group,
 ) -> impl Iterator<Item = &'a Comparison> {
-    let is_here = move |(factor, level): &(String, String)| *factor == at.name && *level == at.levels[place].names[0];
-    let is_own = move |c: &&Comparison| c.factor == of.name && c.at.as_ref().is_some_and(is_here);
-    comparisons.unwrap_or_default().iter().filter(is_own)
+    let is_here = move |(factor, own): &(String, String)| *factor == at.name && *own == level.names[0];
+    let all = results.model.iter().flat_map(|report| &report.comparisons);
+    all.filter(move |own| own.factor == of && own.at.as_ref().is_some_and(is_here))
 }
 
 /// Describes the effect of a factor at each level of another one, with the p of the model's comparisons, if it has such effects.
-fn simple_effects(
-    results: &Results,
-    of: &FactorResults,
-    at: &FactorResults,
-    comparisons: Option<&[Comparison]>,
-) -> String {
-    let strata = strata(results, of, at, comparisons);
+fn simple_effects(results: &Results, of: &FactorResults, at: &FactorResults, is_compared: bool) -> String {
+    let strata = strata(results, of, at, is_compared);
     if strata.is_empty() {
         return String::new();
     }
-    let own = |(place, stratum): &(usize, FactorResults)| {
-        let pair = stratum.contrast().0.map(|level| stratum.levels[level].names[0].as_str());
-        let mut compared = compared(comparisons, of, at, *place);
-        compared.find(|c| pair == [&*c.other, &*c.level])
-    };
-    let is_raw = |(_, stratum): &(usize, FactorResults)| stratum.marginal.is_none();
+    let is_raw = |stratum: &Stratum<'_>| stratum.of.marginal.is_none();
     let are_alike = strata.iter().all(is_raw) || !strata.iter().any(is_raw);
-    let part = |(place, own_stratum): (usize, &(usize, FactorResults))| {
-        let (level, stratum) = own_stratum;
-        let ([first, second], _) = stratum.contrast();
+    let [name, at_name] = [of, at].map(|factor| names::factor(results, &factor.name));
+    let part = |(place, Stratum { level, of: own, comparison }): (usize, &Stratum<'_>)| {
         let mean_at = |index: usize| {
-            let level = names::level_of(results, of, &stratum.levels[index]);
-            format!("{} at {} {level}", mean(stratum.means()[index]), names::factor(results, &of.name))
+            let level = names::level_of(results, of, &own.levels[index]);
+            format!("{} at {name} {level}", mean(own.means()[index]))
         };
-        let level = names::level_of(results, at, &at.levels[*level]);
-        let p = own(own_stratum).and_then(|own| own.p_holm).map_or_else(String::new, |p| format!(" ({})", p_is(p)));
-        let what = match (stratum.marginal.is_some(), comparisons.is_some()) {
+        let what = match (own.marginal.is_some(), is_compared) {
             _ if place > 0 && are_alike => "it",
             (true, true) => "the rating that the model expects",
             (true, false) => "the mean rating in the same conditions",
             (false, _) => "the mean rating",
         };
-        let (at, means) = (names::factor(results, &at.name), [first, second].map(mean_at));
-        format!("at {at} {level}, {what} is {} and {}{p}", means[0], means[1])
+        let [first, second] = own.contrast().0.map(mean_at);
+        let p = comparison.and_then(|own| own.p_holm).map_or_else(String::new, |p| format!(" ({})", p_is(p)));
+        let level = names::level_of(results, at, level);
+        format!("at {at_name} {level}, {what} is {first} and {second}{p}")
     };
     let parts: Vec<String> = strata.iter().enumerate().map(part).collect();
-    let found: Vec<&Comparison> = strata.iter().filter_map(own).collect();
-    let test = match found.iter().find_map(|own| own.withheld) {
+    let mut found = strata.iter().filter_map(|stratum| stratum.comparison);
+    let test = match found.clone().find_map(|own| own.withheld) {
         Some(reason) => format!(" These differences have no p: {reason}."),
-        None if found.iter().all(|own| own.p_holm.is_none()) => String::new(),
+        None if found.all(|own| own.p_holm.is_none()) => String::new(),
         None => format!(
-            " Each p is that of this difference in the model, corrected for all comparisons of {} with Holm’s method.",
-            names::factor(results, &of.name)
+            " Each p is that of this difference in the model, corrected for all comparisons of {name} with Holm’s method."
         ),
     };
     let raw = if strata.iter().all(is_raw) {
         String::new()
     } else {
-        let [of, at] = [of, at].map(|factor| names::factor(results, &factor.name));
         format!(
-            " The raw means by {of} are not comparable at every level of {at}: not everyone rated all levels in the same \
+            " The raw means by {name} are not comparable at every level of {at_name}: not everyone rated all levels in the same \
              conditions."
         )
     };
@@ -247,9 +244,7 @@ fn slopes(results: &Results, number: &str, at: &FactorResults) -> Option<String>
     let (_, what) = range_of(results, main_effect(results, number)?.variables.first()?)?;
     let value = |estimate: f64| on_scale(results, estimate);
     let at_level = |level: &Group| {
-        let place = Some((&at.name, level.names.first()?));
-        let is_own = |c: &&Comparison| c.factor == number && c.at.as_ref().map(|(name, level)| (name, level)) == place;
-        let found = results.model.as_ref().ok()?.comparisons.iter().find(is_own)?;
+        let found = compared(results, number, at, level).next()?;
         let (factor, level) = (names::factor(results, &at.name), names::level_of(results, at, level));
         Some(format!("{}{} at {factor} {level}", value(found.estimate), with_interval(found.interval, value)))
     };
@@ -262,11 +257,7 @@ pub(super) fn covariate(results: &Results, dependences: &[Dependence<'_>], name:
     let report = results.model.as_ref().ok()?;
     let term = main_effect(results, name).filter(|_| !is_dependent(dependences, name))?;
     let shown = names::factor(results, name);
-    let test = likelihood_ratio(results, term)?;
-    let Some(p) = test.p else {
-        let reason = test.withheld.map_or_else(String::new, |reason| format!(": {reason}"));
-        return Some(format!("The effect of {shown} could not be tested{reason}."));
-    };
+    let Some((test, p)) = in_model(results, name, false) else { return Some(findings::untested(results, name)) };
     let size = over_range(results, report, term).filter(|_| !results.spec.terms.is_marginal(term));
     let size = size.map_or_else(String::new, |size| format!(" {}.", size.text));
     Some(verdict(&shown, &ratio_test(test), p) + &size)
@@ -280,8 +271,7 @@ pub(super) fn unclear(results: &Results) -> [Vec<String>; 2] {
         let is_linear = !evidence.is_rank_test && is_slope(results, &factor.name);
         Some((factor.name.clone(), evidence.p, is_linear))
     };
-    let of_covariate =
-        |name: &String| Some((name.clone(), likelihood_ratio(results, main_effect(results, name)?)?.p?, false));
+    let of_covariate = |name: &String| Some((name.clone(), in_model(results, name, false)?.1, false));
     let notes = results.model.iter().flat_map(|report| &report.model.notes);
     // The effect of a factor includes that of what it determines.
     let nested: Vec<&String> =

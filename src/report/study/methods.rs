@@ -158,7 +158,7 @@ const COMPARED: &str =
 fn description(results: &Results) -> Vec<String> {
     let ranked = |factor: &FactorResults| {
         findings::evidence(results, factor).filter(|evidence| evidence.is_rank_test)?;
-        let reason = findings::reason(results, factor);
+        let reason = findings::reason(results, &factor.name);
         Some(format!(
             "The conclusion about {} rests on Friedman’s test (Friedman, 1937) with {} p value, of participants’ means over those \
              conditions of the other factors that they rated at every level, because its test in the model is not used: {}.",

@@ -14,9 +14,8 @@ mod model;
 mod names;
 mod provenance;
 mod summary;
-mod vision;
 
-pub use document::{Parts, Study, StudyError, document};
+pub use document::document;
 pub(crate) use provenance::definition;
 pub use provenance::{Provenance, shell_command};
 pub use summary::{Summary, summary};

@@ -267,13 +267,15 @@ fn tests(section: &mut Section, results: &Results, report: &ModelReport) {
         .number("df", |(_, test)| whole(test.df as u64))
         .number("p", |(_, test)| probability(test.p))
         .add_to(section);
-    let mut withheld: Vec<(&str, Withheld)> = Vec::new();
-    for own in rows.iter().filter_map(|(kind, test)| Some((*kind, test.withheld?))) {
-        withheld.extend((!withheld.contains(&own)).then_some(own));
+    let mut withheld: Vec<(&str, Withheld, Vec<String>)> = Vec::new();
+    for (kind, reason, test) in rows.iter().filter_map(|(kind, test)| Some((*kind, test.withheld?, test))) {
+        let term = names::term(results, &test.term);
+        match withheld.iter_mut().find(|own| (own.0, own.1) == (kind, reason)) {
+            Some((.., terms)) => terms.push(term),
+            None => withheld.push((kind, reason, vec![term])),
+        }
     }
-    for (kind, reason) in withheld {
-        let own = rows.iter().filter(|(own, test)| *own == kind && test.withheld == Some(reason));
-        let terms: Vec<String> = own.map(|(_, test)| names::term(results, &test.term)).collect();
+    for (kind, reason, terms) in withheld {
         let of = match (kind, terms.len()) {
             ("effect", _) => "",
             (_, 1) => "the interaction ",

@@ -1,6 +1,6 @@
 //! Names of participants, factors, levels and categories, as used in sentences and tables.
 
-pub(super) use crate::report::names::{capitalized, coefficient, factor, level, term};
+pub(super) use crate::report::names::{capitalized, categories_of, coefficient, factor, level, term};
 use crate::{
     analysis::{
         Model, Note, RandomSlope, Results,
@@ -9,7 +9,7 @@ use crate::{
         results::{FactorResults, SubjectResults},
         summary::Group,
     },
-    experiment::{Category, Protocol},
+    experiment::Protocol,
     report::{
         document::{Shown, count, list, short_list},
         names::Known,
@@ -59,16 +59,6 @@ pub(super) fn who(ids: &[&str], most: usize) -> String {
 pub(super) fn slope(results: &Results, model: &Model, own: &RandomSlope) -> String {
     let found = model.coefficients.iter().find(|coefficient| coefficient.name == own.name);
     found.map_or_else(|| term(results, &own.term), |found| coefficient(results, &found.parts))
-}
-
-/// Returns the answers of a definition, such as `0 (No band)`, or `0` if this is its label.
-pub(super) fn categories_of(protocol: &Protocol) -> Vec<String> {
-    let categories = protocol.response.categories.iter().enumerate();
-    let name = |(rating, category): (usize, &Category)| match category.label == rating.to_string() {
-        true => rating.to_string(),
-        false => format!("{rating} ({})", category.label),
-    };
-    categories.map(name).collect()
 }
 
 /// Returns the categories, with their labels if there is a definition.

@@ -13,7 +13,7 @@ use crate::{
     stimulus::{MachBand, Parameter},
     store::{
         FileError,
-        sidecar::Sidecar,
+        sidecar::{Sidecar, Sitting},
         table::{List, list},
     },
     text::{
@@ -168,6 +168,16 @@ impl SessionRead {
     /// True if some planned trials are known to be unrated.
     pub fn is_unfinished(&self) -> bool {
         self.planned.is_some_and(|planned| self.rated < planned)
+    }
+
+    /// Returns its sittings, if there is a sidecar.
+    pub fn sittings(&self) -> impl Iterator<Item = &Sitting> {
+        self.sidecar.iter().flat_map(|sidecar| &sidecar.sittings)
+    }
+
+    /// True if any of its ratings come from a program instead of a person.
+    pub fn is_simulated(&self) -> bool {
+        self.sittings().any(|sitting| sitting.observer.is_some())
     }
 }
 

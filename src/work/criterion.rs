@@ -1,6 +1,6 @@
 //! Compares the vision model's prediction with ratings: fits the criterion, and measures the agreement in rank order.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use crate::{
     analysis::{
@@ -8,22 +8,18 @@ use crate::{
         counts::{Counts, MeasuredBuilder},
         fit,
         rank_tests::ranks,
-        summary::{category_values, means_by_subject},
+        summary::means_by_subject,
     },
     experiment::{Condition, Protocol},
-    stimulus::{Stimulus, ViewingConditions, Visible},
-    store::ratings::Source,
-    vision::{Criterion, VisionError},
+    statistics::mean_and_sd,
+    stimulus::Visible,
+    store::ratings::{SessionRead, Source},
+    vision::Criterion,
 };
 
 /// Lower values are raised to this one before they are compared with ratings. Below a tenth of the threshold, there is
 /// nothing to distinguish, and some participants press a key other than 0 even if they see no band.
-pub const LEAST: f64 = 0.1;
-
-/// Maximum number of conditions that a report predicts; each takes about a millisecond.
-const MAX_CONDITIONS: usize = 5000;
-/// The same maximum if each condition needs a rendered picture, which takes a few tenths of a second.
-pub const MAX_PICTURES: usize = 100;
+pub(super) const LEAST: f64 = 0.1;
 
 /// A prediction compared with ratings.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -44,75 +40,33 @@ pub struct Comparison {
     pub rank_correlation: Option<f64>,
 }
 
-/// Predictions of the vision model for a study's conditions.
-#[derive(Clone, Debug, PartialEq)]
-pub struct StudyPrediction {
-    pub viewing: ViewingConditions,
-    /// How the prediction compares with the ratings.
-    pub comparison: Comparison,
-    /// The expected rating in each condition of the counts, as a category value; `None` for a condition that is not in
-    /// the definition.
-    pub ratings: Vec<Option<f64>>,
-}
-
-impl StudyPrediction {
-    /// Predicts every condition of the definition, at the window size of its sessions, and compares the predictions
-    /// with the ratings.
-    ///
-    /// # Errors
-    /// The reason why there is no prediction.
-    pub fn of(source: &Source, counts: &Counts) -> Result<Self, String> {
-        let protocol = source
-            .protocol
-            .as_ref()
-            .ok_or("the files contain no definition of an experiment, so the stimuli are unknown")?;
-        check_categories(counts)?;
-        let conditions = protocol.conditions();
-        let most = if protocol.stimulus.is_line() { MAX_CONDITIONS } else { MAX_PICTURES };
-        if conditions.len() > most {
-            return Err(format!(
-                "there are {} conditions, and a report predicts at most {most}; `machband predict {} --fit` predicts all",
-                conditions.len(),
-                protocol.name
-            ));
-        }
-        let viewing = ViewingConditions::new(window_deg(source, protocol));
-        let stimuli: Vec<&Stimulus> = conditions.iter().map(|condition| &condition.stimulus).collect();
-        let unseen = |error: VisionError| format!("the model cannot process the stimuli: {error}");
-        let predicted = viewing.visible(&stimuli, None).map_err(unseen)?;
-        let (comparison, predicted) = compare_conditions(counts, protocol, conditions, &predicted)?;
-        let values = category_values(counts);
-        let expected = |times: f64| {
-            let shares = comparison.criterion.probabilities(times.max(LEAST));
-            shares.iter().zip(&values).map(|(share, value)| share * value).sum()
-        };
-        let ratings = predicted.iter().map(|times| times.map(expected)).collect();
-        Ok(Self { viewing, comparison, ratings })
-    }
-}
-
 /// Returns the width of the stimulus window in degrees: the mean over the sittings in the sidecars, or otherwise the
 /// value that the definition plans.
-pub fn window_deg(source: &Source, protocol: &Protocol) -> f64 {
-    let sittings = source.sessions.iter().filter_map(|session| session.sidecar.as_ref()).flat_map(|s| &s.sittings);
+pub(super) fn window_deg(source: &Source, protocol: &Protocol) -> f64 {
+    let sittings = source.sessions.iter().flat_map(SessionRead::sittings);
     let widths = sittings.filter_map(|sitting| Some(sitting.viewing.as_ref()?.stimulus_deg));
-    mean(widths.filter(|deg| deg.is_finite() && *deg > 0.0)).unwrap_or(protocol.viewing.window_deg)
+    let widths: Vec<f64> = widths.filter(|deg| deg.is_finite() && *deg > 0.0).collect();
+    if widths.is_empty() { protocol.viewing.window_deg } else { mean_and_sd(&widths).0 }
 }
 
-/// Compares predictions for the conditions of a definition with ratings. Also returns what was rated in each condition
-/// of the counts, in times threshold, in their order; `None` for a condition that is not in the definition. Columns that
-/// are not parameters of the stimulus are ignored.
+/// Compares predictions for the conditions of a definition with ratings. Columns that are not parameters of the stimulus are
+/// ignored.
 ///
 /// # Errors
-/// The predictions and the ratings share no condition, no criterion can be fitted, or the ratings do not record a
-/// factor of the definition.
-pub fn compare_conditions(
+/// The ratings are on another scale, the predictions and the ratings share no condition, no criterion can be fitted, or the
+/// ratings do not record a factor of the definition.
+pub(super) fn compare(
     counts: &Counts,
     protocol: &Protocol,
     conditions: &[Condition],
     predicted: &[Visible],
-) -> Result<(Comparison, Vec<Option<f64>>), String> {
-    check_categories(counts)?;
+) -> Result<Comparison, String> {
+    // The thresholds of a criterion lie between four categories.
+    let categories = counts.categories.len();
+    if categories != 4 {
+        let noun = if categories == 1 { "category" } else { "categories" };
+        return Err(format!("the scale has {categories} {noun}; expected the four categories of the scale 0–3"));
+    }
     if predicted.iter().all(|visible| visible.rated().is_none()) {
         return Err(format!(
             "the stimuli are of the kind {}; expected mach-band, or a mesh whose smooth surface is known",
@@ -138,19 +92,10 @@ pub fn compare_conditions(
         let levels = counts.level_names(condition);
         columns.iter().map(|(column, _)| canonical(levels[*column])).collect()
     };
+    // Of each condition of the counts; a condition that is not in the definition has none.
     let predicted: Vec<Option<f64>> =
         (0..counts.conditions.len() as u32).map(|condition| known.get(&rated(condition)).copied()).collect();
-    Ok((compare(counts, &predicted)?, predicted))
-}
-
-/// Normalizes the text of a value, because the same number may be written in several ways.
-fn canonical(text: &str) -> String {
-    text.parse().map_or_else(|_| text.to_owned(), |number: f64| format!("{:.12e}", number + 0.0))
-}
-
-/// Compares predictions with ratings. `predicted` has an entry for each condition of the counts.
-fn compare(counts: &Counts, predicted: &[Option<f64>]) -> Result<Comparison, String> {
-    let places = (0..).zip(predicted);
+    let places = (0..).zip(&predicted);
     let (places, model): (Vec<u32>, Vec<f64>) = places.filter_map(|(place, value)| Some((place, (*value)?))).unzip();
     if places.is_empty() {
         return Err(
@@ -160,8 +105,9 @@ fn compare(counts: &Counts, predicted: &[Option<f64>]) -> Result<Comparison, Str
     let ratings = counts.rows.iter().filter(|row| places.binary_search(&row.condition).is_ok()).map(|row| row.count);
     let means = means_by_subject(counts, places.len(), |_, condition| places.binary_search(&condition).ok());
     // A participant counts equally, whatever the number of ratings; NaN if nobody rated a condition.
-    let means: Vec<f64> = means.iter().map(|own| mean(own.values().copied()).unwrap_or(f64::NAN)).collect();
-    let (criterion, intervals) = criterion(counts, predicted)?;
+    let mean = |own: &BTreeMap<u32, f64>| mean_and_sd(&own.values().copied().collect::<Vec<_>>()).0;
+    let means: Vec<f64> = means.iter().map(mean).collect();
+    let (criterion, intervals) = criterion(counts, &predicted)?;
     Ok(Comparison {
         criterion,
         intervals,
@@ -172,15 +118,9 @@ fn compare(counts: &Counts, predicted: &[Option<f64>]) -> Result<Comparison, Str
     })
 }
 
-/// Checks that the ratings are on the scale of the criterion's thresholds.
-fn check_categories(counts: &Counts) -> Result<(), String> {
-    match counts.categories.len() {
-        4 => Ok(()),
-        other => {
-            let noun = if other == 1 { "category" } else { "categories" };
-            Err(format!("the scale has {other} {noun}; expected the four categories of the scale 0–3"))
-        }
-    }
+/// Normalizes the text of a value, because the same number may be written in several ways.
+fn canonical(text: &str) -> String {
+    text.parse().map_or_else(|_| text.to_owned(), |number: f64| format!("{:.12e}", number + 0.0))
 }
 
 /// A criterion, and the 95 % interval of each of its thresholds.
@@ -216,11 +156,6 @@ fn criterion(counts: &Counts, predicted: &[Option<f64>]) -> Result<Fitted, Strin
         half.is_finite().then(|| [(log - half).exp(), (log + half).exp()])
     });
     Ok((Criterion { thresholds: logs.map(f64::exp), spread: 1.0 / slope }, intervals))
-}
-
-fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let (sum, n) = values.fold((0.0, 0_u32), |(sum, n), value| (sum + value, n + 1));
-    (n > 0).then(|| sum / f64::from(n))
 }
 
 /// Computes Spearman's correlation over complete pairs, with mean ranks for ties; `None` if a variable does not vary.
