@@ -89,9 +89,10 @@ fn results(
                     values: &values,
                     rating: &rating,
                     count: 1,
-                    place: Some(("1", repetition)),
-                    position: None,
+                    session: "1",
+                    repetition: Some(repetition),
                     response_time_s: Some(seconds),
+                    ..RatingRow::default()
                 };
                 builder.add(&observation).unwrap();
             }
