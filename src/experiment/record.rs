@@ -376,11 +376,13 @@ pub struct RatingRow<'a> {
     pub rating: &'a str,
     /// The number of equal ratings.
     pub count: u64,
-    /// Session and repetition. Their natural order distinguishes a condition's first rating from its second. A rating
-    /// whose place is unknown (`None`) is not paired.
-    pub place: Option<(&'a str, u32)>,
-    /// The session, and the place of the trial in it, if known.
-    pub position: Option<(&'a str, f64)>,
+    /// The session; it counts if the repetition or the position in it is known.
+    pub session: &'a str,
+    /// The repetition. The natural order of sessions and repetitions distinguishes a condition's first rating from its second.
+    /// A rating whose repetition is unknown is not paired.
+    pub repetition: Option<u32>,
+    /// The place of the trial in its session, if known.
+    pub position: Option<f64>,
     /// Time from the onset to the rating in seconds, if known.
     pub response_time_s: Option<f64>,
 }

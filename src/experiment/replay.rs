@@ -18,7 +18,8 @@ pub struct Replayed {
     pub shown: Presentation,
     /// The answer.
     pub answer: Answer,
-    /// Why rows are missing before this one, if they are.
+    /// Says that rows are missing before this one, or that what an adaptive method showed does not follow from them; both are
+    /// as they must be if a repair removed rows.
     pub gap: Option<String>,
 }
 
@@ -28,23 +29,21 @@ pub struct Replay<'a> {
     identity: &'a Identity,
     /// The session after the rows so far.
     pub course: Course,
-    /// Whether rows may be missing, so that what an adaptive method showed need not follow from the rows.
-    has_gaps: bool,
     /// The trial after the furthest one that has a row.
     next: usize,
 }
 
 impl<'a> Replay<'a> {
-    /// Begins a session. `has_gaps` if rows were removed by a repair.
-    pub fn new(identity: &'a Identity, course: Course, has_gaps: bool) -> Self {
-        Self { identity, course, has_gaps, next: 0 }
+    /// Begins a session.
+    pub fn new(identity: &'a Identity, course: Course) -> Self {
+        Self { identity, course, next: 0 }
     }
 
     /// Takes the next row, and returns what it records.
     ///
     /// # Errors
-    /// Returns a message if the schedule does not plan this trial, if what it showed does not follow from the answers
-    /// before, or if there is no such answer. The row then teaches an adaptive method nothing.
+    /// Returns a message if the schedule does not plan this trial, or if there is no such answer. The row then teaches an
+    /// adaptive method nothing.
     pub fn row(&mut self, row: &TrialRecord) -> Result<Replayed, String> {
         let next = self.next;
         let replayed = self.recompute(row);
@@ -84,34 +83,31 @@ impl<'a> Replay<'a> {
         let index = index.filter(|index| trials.get(*index).is_some_and(|trial| trial.phase == row.phase));
         let index = index.ok_or_else(|| self.unplanned(row, &format!("no {} trial {}", row.phase, row.trial)))?;
         self.course.take_back(index);
-        let skipped = (self.next..index).find(|trial| !self.has_gaps && !self.course.is_over(*trial));
+        let skipped = (self.next..index).find(|trial| !self.course.is_over(*trial));
         self.next = self.next.max(index + 1);
-        let gap = skipped.map(|trial| {
+        let mut gap = skipped.map(|trial| {
             let Trial { phase, number, .. } = self.course.schedule().trials[trial];
             let id = &row.row_id;
             format!("row {id} has no row of {phase} trial {number} above it; expected a row of every earlier trial")
         });
         let is_over = self.course.is_over(index);
-        let shown = self.course.presentation(index);
-        if !is_over && self.shows(row, index, (&shown, &given)) {
-            self.course.answer(index, &shown, &given);
-            return Ok(Replayed { trial: index, shown, answer: given, gap });
-        }
-        let level = row.answer.as_ref().and_then(|answer| answer.level);
-        let possible = self.course.possible(index, level);
-        let Some(shown) = possible.iter().find(|shown| self.shows(row, index, (shown, &given))).cloned() else {
-            return Err(self.difference(row, index, &given, &[&[shown][..], &possible].concat()));
-        };
-        if !self.has_gaps {
-            return Err(gap.unwrap_or_else(|| {
-                let expected = match self.course.presentation(index).pick {
+        let mut shown = self.course.presentation(index);
+        if is_over || !self.shows(row, index, (&shown, &given)) {
+            let level = row.answer.as_ref().and_then(|answer| answer.level);
+            let possible = self.course.possible(index, level);
+            let Some(found) = possible.iter().find(|shown| self.shows(row, index, (shown, &given))) else {
+                return Err(self.difference(row, index, &given, &[&[shown][..], &possible].concat()));
+            };
+            gap.get_or_insert_with(|| {
+                let expected = match shown.pick {
                     _ if is_over => "no further trial of its condition".to_owned(),
                     Pick::Level(level, None) => format!("the level {level}"),
                     Pick::Level(level, Some(second)) => format!("the level {level} with {second}"),
                     _ => "the most informative pair".to_owned(),
                 };
                 format!("row {} does not follow from the answers before it; expected {expected}", row.row_id)
-            }));
+            });
+            shown.clone_from(found);
         }
         self.course.answer(index, &shown, &given);
         Ok(Replayed { trial: index, shown, answer: given, gap })

@@ -189,14 +189,6 @@ pub enum StoreError {
     /// There is nothing to resume.
     #[error("{}: no such session; expected an interrupted session", .0.display())]
     NothingToResume(PathBuf),
-    /// The file on disk differs from what was written.
-    #[error("{}: {what}; expected the file as this session left it", path.display())]
-    Changed {
-        /// The data file.
-        path: PathBuf,
-        /// How it differs.
-        what: String,
-    },
     /// Files were changed after a session ended.
     #[error(transparent)]
     Altered(FileErrors),

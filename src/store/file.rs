@@ -334,8 +334,6 @@ pub struct AppendFile {
     content: Vec<u8>,
     /// Number of bytes of the content that are known to be in the file.
     written: usize,
-    /// The beginning of a line that was not written completely. The next write removes it.
-    partial_line: Option<String>,
     /// Number of bytes of the header.
     header: usize,
     /// True if rows are on disk when [`AppendFile::append`] returns. If false, the file is created with its first row, and a power
@@ -349,11 +347,11 @@ impl AppendFile {
     /// Prepares a new file. The first write creates it, and never touches an existing file.
     pub(super) fn new(path: &Path, durable: bool, content: Vec<u8>) -> Self {
         let (path, header) = (path.to_owned(), content.len());
-        Self { path, file: None, content, written: 0, partial_line: None, header, durable, lock: None }
+        Self { path, file: None, content, written: 0, header, durable, lock: None }
     }
 
-    /// Opens, locks and reads a file. The file is not changed until the next write; if it has no complete line yet,
-    /// that write begins with `header`.
+    /// Opens, locks and reads a file. The file is not changed until the next write, which removes an incomplete last line; if
+    /// there is no complete line yet, that write begins with `header`.
     ///
     /// # Errors
     /// [`StoreError::InUse`]; I/O errors; or the file has no complete line and does not begin with `header`.
@@ -365,7 +363,7 @@ impl AppendFile {
         let (whole, partial_line) = split_partial_line(content);
         let (path, written, header_len) = (path.to_owned(), whole.len(), header.len());
         let content = complete_lines_or_header(&path, whole, partial_line.as_deref(), header)?;
-        Ok(Self { path, file: Some(file), written, content, partial_line, header: header_len, durable, lock })
+        Ok(Self { path, file: Some(file), written, content, header: header_len, durable, lock })
     }
 
     /// Returns the path of the file, which may not exist yet.
@@ -381,11 +379,6 @@ impl AppendFile {
     /// True if there are no rows.
     pub fn is_empty(&self) -> bool {
         self.content.len() <= self.header
-    }
-
-    /// Returns the beginning of an incomplete line, if the file ended with one when it was opened.
-    pub fn partial_line(&self) -> Option<&str> {
-        self.partial_line.as_deref()
     }
 
     /// Returns the lines that are only in memory.
@@ -405,8 +398,8 @@ impl AppendFile {
     /// Writes everything that is not in the file yet.
     ///
     /// # Errors
-    /// [`StoreError::Exists`] if a new file would replace an existing one; [`StoreError::Changed`] if the file is no
-    /// longer the one that was written; I/O errors.
+    /// [`StoreError::Exists`] if a new file would replace an existing one; the file is no longer the one that was written; I/O
+    /// errors.
     pub fn flush(&mut self) -> Result<(), StoreError> {
         if !self.durable && self.is_empty() {
             return Ok(());
@@ -458,7 +451,8 @@ impl AppendFile {
     /// file after it or its folder was deleted, and the rows are lost when the program ends. Therefore the name is
     /// looked up after each write.
     fn verify(&self) -> Result<(), StoreError> {
-        let changed = |what: String| StoreError::Changed { path: self.path.clone(), what };
+        let expected_file = "expected the file as this session left it";
+        let changed = |what: String| FileErrors::whole(&self.path, format!("{what}; {expected_file}")).into();
         let expected = self.content.len() as u64;
         match fs::metadata(&self.path) {
             Ok(metadata) if metadata.len() == expected => Ok(()),
@@ -531,25 +525,8 @@ fn lock_within(file: &File, most: Duration) -> Result<bool, TryLockError> {
     }
 }
 
-/// How long [`is_locked`] may keep a file locked. It needs a few microseconds.
+/// How long [`held`] may keep a file locked. It needs a few microseconds.
 const MAX_ASKING: Duration = Duration::from_millis(50);
-
-/// Returns whether another program has locked a file; `None` if the file system does not support locks.
-///
-/// # Errors
-/// I/O errors.
-pub(super) fn is_locked(path: &Path) -> Result<Option<bool>, StoreError> {
-    let file = match open_regular(path) {
-        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Some(false)),
-        opened => opened.map_err(io(path, "open"))?,
-    };
-    match file.try_lock_shared() {
-        Ok(()) => file.unlock().map(|()| Some(false)).map_err(io(path, "unlock")),
-        Err(TryLockError::WouldBlock) => Ok(Some(true)),
-        Err(TryLockError::Error(error)) if has_no_locks(&error) => Ok(None),
-        Err(TryLockError::Error(error)) => Err(io(path, "lock")(error)),
-    }
-}
 
 /// True if an error means that the file system does not support locks, such as NFS without a lock daemon.
 fn has_no_locks(error: &Error) -> bool {
@@ -608,11 +585,16 @@ fn lock_path(csv: &Path) -> PathBuf {
 /// # Errors
 /// I/O errors.
 pub(super) fn held(csv: &Path) -> Result<Option<String>, StoreError> {
-    let path = lock_path(csv);
-    Ok(match is_locked(csv)? {
-        Some(is_locked) => is_locked.then(|| RECORDING.to_owned()),
-        None => exists(&path)?.then(|| format!("{RECORDING} ({} says so; {REMEDY})", path.display())),
-    })
+    let (path, opened) = (lock_path(csv), unless_missing(open_regular(csv)).map_err(io(csv, "open"))?);
+    match opened.map(|file| file.try_lock_shared().map(|()| file.unlock())) {
+        None => Ok(None),
+        Some(Ok(unlocked)) => unlocked.map(|()| None).map_err(io(csv, "unlock")),
+        Some(Err(TryLockError::WouldBlock)) => Ok(Some(RECORDING.to_owned())),
+        Some(Err(TryLockError::Error(error))) if has_no_locks(&error) => {
+            Ok(exists(&path)?.then(|| format!("{RECORDING} ({} says so; {REMEDY})", path.display())))
+        }
+        Some(Err(TryLockError::Error(error))) => Err(io(csv, "lock")(error)),
+    }
 }
 
 impl Drop for LockFile {

@@ -17,8 +17,8 @@ use serde::Serialize;
 use super::{RequestError, Watcher};
 use crate::{
     experiment::{
-        self, Course, FrameCount, Identity, Observer, OrderedLogit, Protocol, RowContext, Session, SessionOptions,
-        TrialRecord, UniformObserver, VisionObserver, VisionRater,
+        self, FrameCount, Identity, Observer, OrderedLogit, Protocol, RowContext, Session, SessionOptions, TrialRecord,
+        UniformObserver, VisionObserver, VisionRater,
     },
     stimulus::Stimulus,
     store::{
@@ -177,9 +177,7 @@ impl Simulation<'_> {
             || SessionStore::resume(&request.results, protocol, &identity, Some(seed), sitting.clone(), changes);
         let (mut store, left) = match request.resume.then(resume) {
             None | Some(Err(StoreError::NothingToResume(_))) => {
-                let course = Course::new(protocol, &identity, seed)?;
-                let store = SessionStore::create(&request.results, protocol, &identity, seed, sitting)?;
-                (store, Interrupted::before_the_first_trial(course))
+                SessionStore::create(&request.results, protocol, &identity, seed, sitting)?
             }
             Some(resumed) => resumed?,
         };

@@ -26,8 +26,9 @@ fn add<'a>(
     rows: impl IntoIterator<Item = &'a (&'a str, [&'a str; 2], &'a str, u32)>,
 ) -> MeasuredBuilder {
     for (subject, values, rating, repetition) in rows {
-        let (place, response_time_s) = (Some(("1", *repetition)), Some(0.5 * f64::from(*repetition)));
-        builder.add(&RatingRow { subject, values, rating, count: 1, place, position: None, response_time_s }).unwrap();
+        let (session, repetition, response_time_s) = ("1", Some(*repetition), Some(0.5 * f64::from(*repetition)));
+        let row = RatingRow { subject, values, rating, count: 1, session, repetition, position: None, response_time_s };
+        builder.add(&row).unwrap();
     }
     builder
 }
@@ -103,9 +104,8 @@ fn medians_of_times_are_exact() {
                 values: &["1"],
                 rating: "1",
                 count,
-                place: None,
-                position: None,
                 response_time_s,
+                ..RatingRow::default()
             })
             .unwrap();
     }

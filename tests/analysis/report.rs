@@ -55,17 +55,10 @@ fn noise(index: u64) -> f64 {
 }
 
 /// Adds a rating by a participant at some levels, with the repetition and the response time if they are known.
-pub fn add(
-    builder: &mut MeasuredBuilder,
-    who: (&str, &[&str]),
-    rating: &str,
-    repetition: Option<u32>,
-    time: Option<f64>,
-) {
-    let ((subject, values), place) = (who, repetition.map(|repetition| ("1", repetition)));
-    builder
-        .add(&RatingRow { subject, values, rating, count: 1, place, position: None, response_time_s: time })
-        .unwrap();
+pub fn add(builder: &mut MeasuredBuilder, who: (&str, &[&str]), rating: &str, repetition: Option<u32>, time: Option<f64>) {
+    let ((subject, values), session, response_time_s) = (who, "1", time);
+    let row = RatingRow { subject, values, rating, count: 1, session, repetition, position: None, response_time_s };
+    builder.add(&row).unwrap();
 }
 
 /// Creates ratings that fall with depth, rise with width and are the same for all shaders, or, if `reversed`, the
@@ -325,9 +318,10 @@ proptest! {
                 values: &[levels[*one], levels[*two]],
                 rating: categories[*rating],
                 count: *count,
-                place: (index % 3 > 0).then_some(("1", index as u32)),
-                position: None,
+                session: "1",
+                repetition: (index % 3 > 0).then_some(index as u32),
                 response_time_s: (index % 4 > 0).then_some(0.1 * index as f64),
+                ..RatingRow::default()
             };
             builder.add(&row).unwrap();
         }

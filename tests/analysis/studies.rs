@@ -507,9 +507,9 @@ fn the_order_of_trials_is_examined() {
                         values: &[["a", "b"][level]],
                         rating: &rate(latent, &mut rng),
                         count: 1,
-                        place: None,
-                        position: Some(("1", trial as f64)),
-                        response_time_s: None,
+                        session: "1",
+                        position: Some(trial as f64),
+                        ..RatingRow::default()
                     })
                     .unwrap();
             }

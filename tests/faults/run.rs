@@ -9,7 +9,7 @@ use std::{
 
 use jiff::Timestamp;
 use machband::{
-    experiment::{Course, Identity, Protocol, TrialRecord},
+    experiment::{Identity, Protocol, TrialRecord},
     store::{
         StoreError, definition,
         session::{Changes, Interrupted, SessionStore},
@@ -132,8 +132,7 @@ fn begin(protocol: &Protocol, results: &Path, resume: bool) -> Result<(SessionSt
     if resume {
         return SessionStore::resume(results, protocol, &identity(), Some(SEED), sitting(), Changes::Refuse);
     }
-    let store = SessionStore::create(results, protocol, &identity(), SEED, sitting())?;
-    Ok((store, Interrupted::before_the_first_trial(Course::new(protocol, &identity(), SEED).unwrap())))
+    SessionStore::create(results, protocol, &identity(), SEED, sitting())
 }
 
 /// Rates every remaining trial, until `record` returns an error. Returns the store and whether the session was

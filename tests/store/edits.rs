@@ -85,7 +85,7 @@ fn record(results: &Path, state: State) {
             store.append_frames(&trials.map(row));
             store.note_pictures(stimuli.iter().copied().zip(hashes.iter().cloned()));
         };
-        let mut store = SessionStore::create(results, &protocol, &identity, SEED, sitting()).unwrap();
+        let (mut store, _) = SessionStore::create(results, &protocol, &identity, SEED, sitting()).unwrap();
         rate(&mut store, (&protocol, &identity), None, 4, true).unwrap();
         frames(&mut store, 1, [1, 2]);
         if state != State::Killed {

@@ -164,7 +164,7 @@ fn every_cell_and_every_picture_is_exported() {
         for (index, row) in session.rows.iter().enumerate() {
             let file = cells_of[&(row.experiment.clone(), row.row_id.clone())]["stim_file"].clone();
             let pictures = session.sidecar.sittings[row.sitting as usize - 1].pictures.as_ref().unwrap();
-            let by_key = pictures.by_key(&session.schedule.conditions);
+            let by_key = pictures.by_key(&session.course.schedule().conditions);
             let shown = by_key[&session.stimuli(index)[0].key()];
             let hash = hashes.entry(file).or_insert_with_key(|file| {
                 let path = bids.join("stimuli").join(file);

@@ -36,7 +36,7 @@ fn answers(entries: &[(&str, Value)]) -> Answers {
 /// A complete session of a participant with these answers.
 fn session(results: &Path, subject: &str, number: &str, answers: Answers) {
     let (protocol, identity) = (asking(), Identity::new(subject, number).unwrap());
-    let mut store = SessionStore::create(results, &protocol, &identity, SEED, sitting()).unwrap();
+    let (mut store, _) = SessionStore::create(results, &protocol, &identity, SEED, sitting()).unwrap();
     store.keep_participant(answers);
     rate(&mut store, (&protocol, &identity), None, 100, false).unwrap();
 }

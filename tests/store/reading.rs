@@ -41,7 +41,8 @@ const MAIN: u64 = 12;
 fn try_read(paths: &[&Path], how: &ReadOptions) -> Result<(Source, Vec<String>), FileErrors> {
     let paths: Vec<PathBuf> = paths.iter().map(|path| path.to_path_buf()).collect();
     let add = |rows: &mut Vec<String>, row: &RatingRow<'_>| {
-        let RatingRow { subject, values, rating, count, place, response_time_s, .. } = row;
+        let RatingRow { subject, values, rating, count, session, repetition, response_time_s, .. } = row;
+        let place = repetition.map(|repetition| (session, repetition));
         let details = place.map(|place| format!(" {place:?} {response_time_s:?}")).unwrap_or_default();
         rows.push(format!("{subject} {} {rating} {count}{details}", values.join("|")));
         Ok(())
@@ -80,7 +81,7 @@ fn small() -> Protocol {
 /// Records a session that ends after at most `limit` trials, and returns its file. Every fourth rating is undone.
 fn session(results: &Path, protocol: &Protocol, subject: &str, limit: usize) -> PathBuf {
     let identity = Identity::new(subject, "1").unwrap();
-    let mut store = SessionStore::create(results, protocol, &identity, SEED, sitting()).unwrap();
+    let (mut store, _) = SessionStore::create(results, protocol, &identity, SEED, sitting()).unwrap();
     recording::rate(&mut store, (protocol, &identity), None, limit, true).unwrap();
     SessionPaths::new(results, protocol, &identity).csv
 }

@@ -36,7 +36,7 @@ pub fn paths(results: &Path) -> SessionPaths {
 }
 
 pub fn create(results: &Path) -> Result<SessionStore, StoreError> {
-    SessionStore::create(results, &small(), &identity(), SEED, sitting())
+    SessionStore::create(results, &small(), &identity(), SEED, sitting()).map(|(store, _)| store)
 }
 
 pub fn resume(results: &Path) -> Result<(SessionStore, Interrupted), StoreError> {
@@ -54,7 +54,7 @@ pub fn sitting() -> Sitting {
 /// Records up to `limit` trials of a participant.
 pub fn record(results: &Path, subject: &str, limit: usize) -> SessionStore {
     let identity = Identity::new(subject, "1").unwrap();
-    let mut store = SessionStore::create(results, &small(), &identity, SEED, sitting()).unwrap();
+    let (mut store, _) = SessionStore::create(results, &small(), &identity, SEED, sitting()).unwrap();
     rate(&mut store, (&small(), &identity), None, limit, false).unwrap();
     store
 }

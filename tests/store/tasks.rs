@@ -76,13 +76,12 @@ fn sit(results: &Path, protocol: &Protocol, limit: usize) -> bool {
     let identity = identity();
     let resumed = SessionStore::resume(results, protocol, &identity, Some(SEED), sitting(), Changes::Refuse);
     let (mut store, found) = match resumed {
-        Ok((store, found)) => (store, Some(found)),
         Err(StoreError::NothingToResume(_)) => {
-            (SessionStore::create(results, protocol, &identity, SEED, sitting()).unwrap(), None)
+            SessionStore::create(results, protocol, &identity, SEED, sitting()).unwrap()
         }
-        Err(error) => panic!("{error}"),
+        resumed => resumed.unwrap(),
     };
-    rate(&mut store, (protocol, &identity), found.as_ref(), limit, false).unwrap();
+    rate(&mut store, (protocol, &identity), Some(&found), limit, false).unwrap();
     store.is_complete()
 }
 

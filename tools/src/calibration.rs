@@ -109,9 +109,8 @@ fn read(file: &Path, most: usize) -> Result<Vec<Measured>, Box<dyn Error>> {
             values: &cells[2..last],
             rating: cells[last],
             count: cells[last + 1].parse()?,
-            place: None,
-            position: if is_placed { Some(("", cells[last + 2].parse()?)) } else { None },
-            response_time_s: None,
+            position: if is_placed { Some(cells[last + 2].parse()?) } else { None },
+            ..RatingRow::default()
         })?;
     }
     Ok(builders.into_values().map(MeasuredBuilder::finish).collect())

@@ -53,7 +53,7 @@ pub fn long(folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
     let options = SessionOptions { pages: 0, frames: FrameCount::Off };
     let mut session = Session::new(course, &Resumed::default(), options);
     let observer: OrderedLogit = observer::parse("paper.toml", observer::PAPER)?;
-    let mut store = SessionStore::create(&results, &protocol, &identity, 1, Sitting::default())?;
+    let (mut store, _) = SessionStore::create(&results, &protocol, &identity, 1, Sitting::default())?;
     let context = RowContext { protocol: &protocol, schedule: &schedule, identity: &identity, sitting: 1 };
     println!("{:>6}  {:>9}  {:>9}  {:>8}", "trials", "median ms", "99 % ms", "MiB");
     let (mut times, mut trials, mut last) = (Vec::with_capacity(EACH), 0, Instant::now());
@@ -110,8 +110,10 @@ pub fn sample(results: &Path) -> Result<(), Box<dyn std::error::Error>> {
     let asking = definition::open(concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/quick-ja.toml"))?;
     let asked = Sitting { pictures: Some(Pictures::without_screen(&asking)), ..sitting.clone() };
     let answers = serde_json::json!({ "age": 27, "sex": "other", "vision": "with glasses", "consent": "2026-01-31" });
-    SessionStore::create(results, &asking, &identity, SEED, asked)?.keep_participant(serde_json::from_value(answers)?);
-    let mut store = SessionStore::create(results, &protocol, &identity, SEED, sitting)?;
+    SessionStore::create(results, &asking, &identity, SEED, asked)?
+        .0
+        .keep_participant(serde_json::from_value(answers)?);
+    let (mut store, _) = SessionStore::create(results, &protocol, &identity, SEED, sitting)?;
     let context = RowContext { protocol: &protocol, schedule: &schedule, identity: &identity, sitting: 1 };
     let options = SessionOptions { pages: 0, frames: FrameCount::Off };
     let mut session = Session::new(Course::new(&protocol, &identity, SEED)?, &Resumed::default(), options);

@@ -61,7 +61,7 @@ impl MeasuredBuilder {
     /// Says that the participant or the rating is empty, that the rating is not a declared category, or that there are too
     /// many different ratings, and what is expected.
     pub fn add(&mut self, observation: &RatingRow<'_>) -> Result<(), String> {
-        let RatingRow { subject, values, rating, count, place, position, response_time_s } = *observation;
+        let RatingRow { subject, values, rating, count, session, repetition, position, response_time_s } = *observation;
         debug_assert_eq!(values.len(), self.factors.len(), "a value for each factor");
         if subject.is_empty() {
             return Err("no participant; expected a name".to_owned());
@@ -75,14 +75,14 @@ impl MeasuredBuilder {
             self.key.extend_from_slice(text.as_bytes());
             self.key.push(END);
         }
-        let session = position.map(|(session, _)| session).or(place.map(|(session, _)| session));
-        let is_one = count == 1 && (response_time_s.is_some() || session.is_some());
+        let is_placed = position.is_some() || repetition.is_some();
+        let is_one = count == 1 && (response_time_s.is_some() || is_placed);
         let trial = Trial {
             rating,
             seconds: response_time_s,
-            session: session.map_or(0, |session| self.session(session)),
-            position: position.map(|(_, at)| at),
-            repetition: place.map(|(_, repetition)| repetition),
+            session: if is_placed { self.session(session) } else { 0 },
+            position,
+            repetition,
             ..Trial::default()
         };
         let cell = self.cells.entry(self.key.as_slice().into()).or_default();

@@ -17,14 +17,14 @@ use crate::{
     app::ui::Monitor,
     display::frames::{FrameTimes, KnownRefresh, Refresh},
     experiment::{
-        Answers, Course, FrameCount, Identity, Phase, RowContext, Session, SessionOptions, State, TrialRecord,
-        TrialResponse, session_seed,
+        Answers, FrameCount, Identity, Phase, RowContext, Session, SessionOptions, State, TrialRecord, TrialResponse,
+        session_seed,
     },
     light::CodeImage,
     report::{document::numbers::count, terminal::message},
     stimulus::Stimulus,
     store::{
-        FileErrors, StoreError, image,
+        StoreError, image,
         results::frames_line,
         session::{Interrupted, SessionStore},
         sidecar::{FrameSummary, InputSummary, Pictures, PreflightNote, Sitting, UsedDisplay},
@@ -81,10 +81,7 @@ impl Recording {
             SessionStore::resume(results, protocol, identity, request.seed, sitting, request.changes)?
         } else {
             let seed = request.seed.unwrap_or_else(fresh_seed);
-            let store = SessionStore::create(results, protocol, identity, seed, sitting)?;
-            let course = Course::new(protocol, identity, seed)
-                .map_err(|error| FileErrors::whole(store.csv(), error.to_string()))?;
-            (store, Interrupted::before_the_first_trial(course))
+            SessionStore::create(results, protocol, identity, seed, sitting)?
         };
         let Interrupted { course, mut resumed, elapsed_s, rows, sitting, .. } = found;
         let hours_ago = |row: &TrialRecord| now().duration_since(row.started_at).as_secs_f64() / 3600.0;

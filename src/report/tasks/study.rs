@@ -453,7 +453,7 @@ impl TaskStudy {
         let main = session.rows.iter().enumerate().filter(|(_, row)| row.phase == Phase::Main);
         let last: BTreeMap<u32, usize> = main.map(|(index, row)| (row.trial, index)).collect();
         for Replayed { trial, shown, answer, .. } in last.into_values().filter_map(|index| session.replayed(index)) {
-            self.take(person, session.schedule.trials[*trial].condition, shown, answer);
+            self.take(person, session.course.schedule().trials[*trial].condition, shown, answer);
         }
     }
 

@@ -369,7 +369,7 @@ fn write_stimuli(
                 continue;
             };
             let quantizer = Arc::new(pictures.recipe.quantizer());
-            let hashed = pictures.by_key(&session.schedule.conditions);
+            let hashed = pictures.by_key(&session.course.schedule().conditions);
             let hashes = renderer.hashes(pictures, &stimuli.values().copied().collect::<Vec<_>>());
             for ((key, stimulus), hash) in stimuli.into_iter().zip(hashes) {
                 if hashed.contains_key(&key) {

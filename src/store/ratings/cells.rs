@@ -75,7 +75,7 @@ impl<'a> Cells<'a> {
     fn new(selection: &'a Selection, known: &'a Known<'_>, input: &'a Input, rows: &'a Rows) -> Self {
         let columns = &input.columns;
         let texts = |column: usize| &rows.columns[column];
-        let is_own = columns.record.is_some();
+        let is_own = columns.of_results();
         // A session records every answer; an option may still take some as missing.
         let may_lack = !is_own || !known.missing.is_empty();
         let responses = columns.responses.iter().zip(&known.responses).map(|(&column, &among_numbers)| {
@@ -112,18 +112,19 @@ impl<'a> Cells<'a> {
     }
 
     fn subject(&self, row: usize) -> &'a str {
-        self.text(row, self.input.columns.subject)
+        self.rows.columns[self.input.columns.subject].get(row)
     }
 
-    fn text(&self, row: usize, column: usize) -> &'a str {
-        self.rows.columns[column].get(row)
+    /// Returns the session; empty if there is no column with it.
+    fn session(&self, row: usize) -> &'a str {
+        self.input.columns.session.map_or("", |session| self.rows.columns[session].get(row))
     }
 
     /// Returns the participant, the rating and its number, or why the rating is left out. It is in column `which` of the
     /// columns with responses.
     fn rating(&self, row: usize, which: usize) -> Result<Result<(&'a str, &'a str, u64), Reason>, RowError> {
         let (columns, own_scale) = (&self.input.columns, self.selection.own_scale);
-        let (subject, is_own) = (self.subject(row), columns.record.is_some());
+        let (subject, is_own) = (self.subject(row), columns.of_results());
         if matches!(self.rows.status[row], Status::Counts(session) if is_own && self.known.unfinished[session as usize])
         {
             return Ok(Err(Reason::Unfinished));
@@ -147,18 +148,6 @@ impl<'a> Cells<'a> {
             }
         };
         Ok(Ok((subject, rating, value(&self.counts, row)?.unwrap_or(1))))
-    }
-
-    /// Returns the session and the repetition, if they are known.
-    fn place(&self, row: usize) -> Result<Option<(&'a str, u32)>, RowError> {
-        let found = self.input.columns.session.zip(value(&self.repetitions, row)?.flatten());
-        Ok(found.map(|(session, repetition)| (self.text(row, session), repetition)))
-    }
-
-    /// Returns the session, and the place of the trial in it, if that is known.
-    fn position(&self, row: usize) -> Result<Option<(&'a str, f64)>, RowError> {
-        let session = || self.input.columns.session.map_or("", |session| self.text(row, session));
-        Ok(value(&self.orders, row)?.flatten().map(|position| (session(), position)))
     }
 }
 
@@ -184,9 +173,9 @@ pub(super) fn add_rows(
             Err(reason) => return Ok(Err(reason)),
         };
         // An unreadable position or time is an error, but the rating still counts, unless its time decides that.
-        let place = known_or(cells.place(row), |error| report(errors, error));
-        let position = known_or(cells.position(row), |error| report(errors, error));
-        let response_time_s = match value(&cells.times, row).map(Option::flatten) {
+        let repetition = known_or(value(&cells.repetitions, row), |error| report(errors, error));
+        let position = known_or(value(&cells.orders, row), |error| report(errors, error));
+        let response_time_s = match value(&cells.times, row) {
             Err(error) if limits != (None, None) => return Err(error),
             found => known_or(found, |error| report(errors, error)),
         };
@@ -200,7 +189,8 @@ pub(super) fn add_rows(
         levels.extend(cells.factors.iter().map(|levels| *levels.get(row)));
         levels.extend(selection.wide.get(which).map(String::as_str));
         let cell = Some(input.columns.responses[which]);
-        add(&RatingRow { subject, values: &levels, rating, count, place, position, response_time_s })
+        let (values, session) = (&levels[..], cells.session(row));
+        add(&RatingRow { subject, values, rating, count, session, repetition, position, response_time_s })
             .map_err(|message| RowError { row, cell, what: What::Said(message) })?;
         if let Some(marks) = &cells.marks {
             let [marked, all] = simulated.entry(subject).or_default();
@@ -251,6 +241,6 @@ pub(super) fn add_rows(
 }
 
 /// Returns what a cell says; without it if it cannot be read, which is reported.
-fn known_or<T>(found: Result<Option<T>, RowError>, report: impl FnOnce(RowError)) -> Option<T> {
-    found.map_err(report).ok().flatten()
+fn known_or<T>(found: Result<Option<Option<T>>, RowError>, report: impl FnOnce(RowError)) -> Option<T> {
+    found.map_err(report).ok().flatten().flatten()
 }

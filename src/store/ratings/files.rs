@@ -38,26 +38,17 @@ const ANALYSES: [[&str; 2]; 2] = [["cells.csv", "counts.csv"], ["answers.csv", "
 pub fn files(paths: &[PathBuf]) -> Result<Listed, FileErrors> {
     let (mut all, mut errors) = (Listed::default(), Vec::new());
     for path in paths {
-        match found(path).map_err(io(path, "access")) {
-            Ok(Some(metadata)) if metadata.is_dir() => {
-                let listed = Listed::of(path);
-                if listed.files.is_empty() && listed.errors.is_empty() {
-                    errors.push(FileError::whole(path, "contains no tables; expected a folder of CSV files"));
-                }
-                all.errors.extend(listed.unexpected(&[]));
-                errors.extend(listed.errors);
-                all.warnings.extend(listed.warnings);
-                all.files.extend(listed.files);
-            }
-            // A pattern such as `data/*.csv` matches the frames files along with the data files.
-            Ok(Some(_)) if has_suffix(path, FRAMES_SUFFIX) => {}
-            Ok(Some(_)) => all.files.push(path.clone()),
-            Ok(None) => {
-                let message = "does not exist; expected a CSV file or a folder of CSV files";
-                errors.push(FileError::whole(path, message));
-            }
-            Err(error) => errors.extend(error.errors(path)),
+        let mut listed = Listed::of(path);
+        if listed.files.is_empty() && listed.errors.is_empty() {
+            errors.push(FileError::whole(path, "contains no tables; expected a folder of CSV files"));
+        } else if listed.files != [path.clone()] {
+            all.errors.extend(listed.unexpected(&[]));
         }
+        // A pattern such as `data/*.csv` matches the frames files along with the data files.
+        listed.files.retain(|file| file != path || !has_suffix(file, FRAMES_SUFFIX));
+        errors.extend(listed.errors);
+        all.warnings.extend(listed.warnings);
+        all.files.extend(listed.files);
     }
     let mut seen = HashSet::new();
     all.files.retain(|path| match full(path) {
@@ -119,11 +110,8 @@ pub struct Listed {
 impl Listed {
     /// Lists the sessions in a folder: only their data files. A file stands for itself.
     pub fn sessions(root: &Path) -> Self {
-        if matches!(found(root), Ok(Some(found)) if found.is_file()) {
-            return Self { files: vec![root.to_owned()], ..Self::default() };
-        }
         let mut listed = Self::of(root);
-        listed.files.retain(|path| has_suffix(path, DATA_FILE));
+        listed.files.retain(|path| path == root || has_suffix(path, DATA_FILE));
         listed
     }
 
@@ -161,27 +149,36 @@ impl Listed {
         errors.into_iter().chain(unexpected).collect()
     }
 
-    /// Lists the tables in a folder.
+    /// Lists the tables in a folder. A file stands for itself.
     fn of(root: &Path) -> Self {
         let mut listed = Self::default();
+        match found(root).map_err(io(root, "access")) {
+            Ok(Some(metadata)) if !metadata.is_dir() => listed.files.push(root.to_owned()),
+            Err(error) => listed.errors = error.errors(root),
+            Ok(_) => listed.walk(root),
+        }
+        listed
+    }
+
+    /// Lists the tables in a folder and its subfolders.
+    fn walk(&mut self, root: &Path) {
         let mut entered = HashSet::new();
         let mut open = vec![root.to_owned()];
         while let Some(folder) = open.pop() {
             let inside = identified(&folder).and_then(|folder_id| {
                 // Without this check, a link to a parent folder would be followed forever.
-                if entered.insert(folder_id) { listed.enter(root, &folder) } else { Ok(Vec::new()) }
+                if entered.insert(folder_id) { self.enter(root, &folder) } else { Ok(Vec::new()) }
             });
             match inside {
                 Ok(folders) => open.extend(folders),
-                Err(error) => listed.refused(root, &folder, &error),
+                Err(error) => self.refused(root, &folder, &error),
             }
         }
-        if listed.files.iter().any(|path| has_suffix(path, DATA_FILE)) {
-            listed.files.retain(|path| has_suffix(path, DATA_FILE));
+        if self.files.iter().any(|path| has_suffix(path, DATA_FILE)) {
+            self.files.retain(|path| has_suffix(path, DATA_FILE));
         }
-        listed.files.sort_by(|a, b| natural(&a.to_string_lossy(), &b.to_string_lossy()));
-        listed.datasets.sort();
-        listed
+        self.files.sort_by(|a, b| natural(&a.to_string_lossy(), &b.to_string_lossy()));
+        self.datasets.sort();
     }
 
     /// Lists what is in one folder, and returns the folders in it. An analysis that was written below `root`, but not

@@ -12,7 +12,7 @@ use super::{
     cells::{Known, add_rows},
     files::{self, Header},
     rows::{self, MAX_ROWS, RowError, Rows, Status, column_of},
-    selection::{Input, RecordColumns, Selection, layout},
+    selection::{Input, Selection, layout},
     source::{FileRead, Layout, ReadOptions, Reason, SessionRead, Shape, Source},
 };
 use crate::{
@@ -137,7 +137,7 @@ fn read_inputs<T>(
 fn about_names(selection: &Selection, options: &ReadOptions, tables: &[Rows]) -> Vec<FileError> {
     let Some(first) = selection.inputs.first() else { return Vec::new() };
     let mut notes = Vec::new();
-    if options.subject.is_none() && first.columns.record.is_none() {
+    if options.subject.is_none() && !first.columns.of_results() {
         notes.extend(first.header.note_of_subject(&first.name, first.columns.subject));
     }
     notes.extend(about_ids(&first.name, &column_of(&selection.inputs, tables, |columns| columns.subject)));
@@ -262,7 +262,7 @@ fn warnings(inputs: &[Input]) -> Result<Vec<FileError>, FileErrors> {
     let mut warnings = Vec::new();
     for input in inputs {
         warnings.extend(input.changed.iter().cloned());
-        if input.columns.record.is_some()
+        if input.columns.of_results()
             && !input.has_sidecar
             && !input.in_memory()
             && dataset::described(&input.path).map_err(|error| FileErrors(error.errors(&input.path)))?.is_some()
@@ -323,9 +323,8 @@ fn sessions(selection: &Selection, tables: &mut [Rows]) -> Vec<SessionRead> {
         })
     };
     for (file, (input, rows)) in (0..).zip(selection.inputs.iter().zip(&mut *tables)) {
-        let Some(own) = &input.columns.record else { continue };
         let (mut wrong, mut errors) = (Vec::new(), std::mem::take(&mut rows.errors));
-        read_attempts(selection, input, own, rows, |row, attempt| match attempt {
+        read_attempts(selection, input, rows, |row, attempt| match attempt {
             Ok((subject, session, attempt)) => {
                 attempts.push(Attempt { session: enter(subject, session, input), file, row: row as u32, ..attempt });
             }
@@ -337,8 +336,7 @@ fn sessions(selection: &Selection, tables: &mut [Rows]) -> Vec<SessionRead> {
         wrong.iter().for_each(|row| rows.status[*row] = Status::Wrong);
         rows.errors = errors;
     }
-    for input in selection.inputs.iter().filter(|input| input.columns.record.is_some() && input.header.first.is_none())
-    {
+    for input in selection.inputs.iter().filter(|input| input.columns.of_results() && input.header.first.is_none()) {
         if let Ok(identity) = dataset::identity(&input.path) {
             enter(identity.subject(), identity.session(), input);
         }
@@ -347,26 +345,28 @@ fn sessions(selection: &Selection, tables: &mut [Rows]) -> Vec<SessionRead> {
     sessions
 }
 
-/// Calls `take` with every readable row of a result file: its participant, session and trial, or the first error.
+/// Calls `take` with every readable row of a result file: its participant, session and trial, or the first error. Other files
+/// have no such rows.
 fn read_attempts<'a>(
     selection: &Selection,
     input: &Input,
-    own: &RecordColumns,
     rows: &'a Rows,
     mut take: impl FnMut(usize, Result<(&'a str, &'a str, Attempt), RowError>),
 ) {
+    let columns = &input.columns;
+    let (Some(session), Some(phase), Some(number)) = (columns.session, columns.phase, columns.trial) else { return };
     let texts = |column: usize| &rows.columns[column];
-    let experiment = own.experiment.zip(selection.experiment.as_deref());
+    let experiment = columns.experiment.zip(selection.experiment.as_deref());
     let needed = |column: usize, of: fn(&str) -> Option<u32>, expected: &'static str| {
         let values = texts(column).map(of);
         move |row: usize| values.get(row).ok_or_else(|| RowError::new(row, column, expected))
     };
     let is_main = |text: &str| Some(u32::from(text.parse::<Phase>().ok()? == Phase::Main));
-    let is_main = needed(own.phase, is_main, "practice or main");
-    let trial = needed(own.trial, rows::ordinal, "the number of a trial, from 1 to 1,000,000");
+    let is_main = needed(phase, is_main, "practice or main");
+    let trial = needed(number, rows::ordinal, "the number of a trial, from 1 to 1,000,000");
     let expected = "the number of an attempt, from 1 to 1,000,000";
-    let attempt = own.attempt.map(|column| needed(column, rows::ordinal, expected));
-    let rated = texts(input.columns.responses[0]).map(|text| rows::is_rating(text, selection.own_scale, false));
+    let attempt = columns.attempt.map(|column| needed(column, rows::ordinal, expected));
+    let rated = texts(columns.responses[0]).map(|text| rows::is_rating(text, selection.own_scale, false));
     let one = |row: usize| {
         let present = |column: usize, expected: &'static str| match texts(column).get(row) {
             "" => Err(RowError::new(row, column, expected)),
@@ -379,8 +379,8 @@ fn read_attempts<'a>(
         }
         let (is_main, trial) = (is_main(row)? == 1, trial(row)?);
         let attempt = attempt.as_ref().map_or(Ok(1), |attempt| attempt(row))?;
-        let subject = present(input.columns.subject, "a participant")?;
-        let session = present(own.session, "a session")?;
+        let subject = present(columns.subject, "a participant")?;
+        let session = present(session, "a session")?;
         let rated = *rated.get(row);
         Ok((subject, session, Attempt { session: 0, is_main, trial, attempt, file: 0, row: 0, rated }))
     };

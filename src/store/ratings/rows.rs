@@ -159,8 +159,8 @@ impl Rows {
     /// # Errors
     /// Commas or points seem to separate thousands.
     fn replace_commas(&mut self, input: &Input) -> Result<(), FileError> {
-        let Columns { subject, session, record, .. } = input.columns;
-        let ids = [Some(subject), session, record.map(|own| own.session)];
+        let Columns { subject, session, .. } = input.columns;
+        let ids = [Some(subject), session];
         let separator = input.header.separator;
         let columns = self.columns.iter_mut().enumerate();
         for (index, column) in columns.filter(|(index, _)| separator != b',' && !ids.contains(&Some(*index))) {

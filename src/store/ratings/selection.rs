@@ -13,7 +13,7 @@ use super::{
 use crate::{
     experiment::{Factor, Protocol, SIMULATED, STIMULUS, columns_by_header},
     stimulus::is_direction,
-    store::{FileError, StoreError, definition, file::exists, session::seal, sidecar::Sidecar, table::shortened},
+    store::{FileError, StoreError, file::exists, session::seal, sidecar::Sidecar, table::shortened},
     text::names::{expected_one_of, some_of},
 };
 
@@ -54,21 +54,14 @@ pub(super) struct Columns {
     pub order: Option<usize>,
     /// Whether the response comes from a program.
     pub simulated: Option<usize>,
-    /// The columns that only a result file has.
-    pub record: Option<RecordColumns>,
+    /// The columns that only a result file needs.
+    pub phase: Option<usize>,
+    pub trial: Option<usize>,
+    /// Without this column, every trial of a result file has one attempt.
+    pub attempt: Option<usize>,
+    pub experiment: Option<usize>,
     /// In a table that is no result file, the columns `phase` (in BIDS, `trial_type`) and `attempt`, unless they have another use.
     pub unnamed: [Option<usize>; 2],
-}
-
-/// Indices of a result file's own columns.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct RecordColumns {
-    pub experiment: Option<usize>,
-    pub session: usize,
-    pub phase: usize,
-    pub trial: usize,
-    /// Without this column, every trial has one attempt.
-    pub attempt: Option<usize>,
 }
 
 /// The files that are selected for reading.
@@ -136,16 +129,19 @@ impl Selection {
 }
 
 impl Columns {
+    /// True if they are those of a result file.
+    pub fn of_results(&self) -> bool {
+        self.phase.is_some()
+    }
+
     /// Returns the columns that are read.
     pub fn used(&self) -> BTreeSet<usize> {
         let mut all = BTreeSet::from([self.subject]);
         all.extend(&self.responses);
-        let single = [self.count, self.session, self.repetition, self.time, self.order, self.simulated].into_iter();
-        all.extend(self.factors.iter().copied().chain(single.chain(self.unnamed).flatten()));
-        if let Some(own) = self.record {
-            all.extend([own.session, own.phase, own.trial]);
-            all.extend([own.experiment, own.attempt].into_iter().flatten());
-        }
+        let of_rating = [self.count, self.session, self.repetition, self.time, self.order, self.simulated];
+        let of_trial = [self.phase, self.trial, self.attempt, self.experiment];
+        let single = of_rating.into_iter().chain(of_trial).chain(self.unnamed).flatten();
+        all.extend(self.factors.iter().copied().chain(single));
         all
     }
 }
@@ -162,17 +158,17 @@ impl Input {
         let layout = layout(&header, options, has_sidecar);
         let (mut sidecar, mut protocol, mut errors, mut changed) = (None, None, Vec::new(), Vec::new());
         if layout == Layout::Results {
-            let name = beside.display().to_string();
             match has_sidecar.then(|| Sidecar::read(&beside)).transpose() {
                 Ok(found) => sidecar = found.flatten(),
                 Err(StoreError::FileErrors(found)) => errors.extend(found.0),
                 Err(error) => return Err(error),
             }
             if let Some(sidecar) = &sidecar {
-                changed = seal::errors(path, sidecar)?;
-                match definition::from_json(&name, &sidecar.definition) {
-                    Ok(found) => {
-                        changed.extend(sidecar.definition_error(&beside, &definition::hash(&found)));
+                // What had to be converted is not as it was sealed either, unless it was only packed.
+                changed = seal::compare(path, sidecar, header.content().bytes)?.differences;
+                match sidecar.protocol(&beside) {
+                    Ok((found, error)) => {
+                        changed.extend(error);
                         protocol = Some(found);
                     }
                     Err(found) => errors.extend(found.0),
@@ -419,15 +415,14 @@ fn columns(file: &Input, factors: &[String], options: &ReadOptions) -> Result<Co
         })
     };
     let is_results = file.is_results();
-    let details = options.details && file.layout != Layout::Counts;
-    let [session, repetition, time] = ["session_id", "repetition", options.time()].map(|name| {
-        let must = name == options.time()
-            && [options.time.is_some(), options.min_time.is_some(), options.max_time.is_some()].contains(&true);
-        (must || details && header.position(name).is_some()).then(|| needed(name))
-    });
+    let is_detailed = options.details && file.layout != Layout::Counts;
+    let is_timed = [options.time.is_some(), options.min_time.is_some(), options.max_time.is_some()].contains(&true);
+    let details = [("session_id", is_results), ("repetition", false), (options.time(), is_timed)];
+    let [session, repetition, time] =
+        details.map(|(name, must)| (must || is_detailed && header.position(name).is_some()).then(|| needed(name)));
     let order = match &options.order {
         Some(order) => Some(needed(order)),
-        None => (is_results && details).then(|| needed("trial")),
+        None => (is_results && is_detailed).then(|| needed("trial")),
     };
     let mut columns = Columns {
         subject: needed(file.subject(options)),
@@ -440,13 +435,10 @@ fn columns(file: &Input, factors: &[String], options: &ReadOptions) -> Result<Co
             Layout::Counts => Some(needed(options.count())),
             Layout::Long => options.count.as_deref().map(&mut needed),
         },
-        record: is_results.then(|| RecordColumns {
-            experiment: header.position("experiment"),
-            session: needed("session_id"),
-            phase: needed("phase"),
-            trial: needed("trial"),
-            attempt: header.position("attempt"),
-        }),
+        phase: is_results.then(|| needed("phase")),
+        trial: is_results.then(|| needed("trial")),
+        attempt: header.position("attempt").filter(|_| is_results),
+        experiment: header.position("experiment").filter(|_| is_results),
         factors: (factors.iter())
             .filter(|name| Some(*name) != options.wide_factor())
             .map(|name| needed(name))

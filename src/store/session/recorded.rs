@@ -8,15 +8,15 @@ use std::{
 use super::{
     dataset::{FRAMES_SUFFIX, beside, identity},
     results,
-    seal::{self, ACCEPTED, gaps},
+    seal::{self, ACCEPTED, Compared, gaps},
     sidecar::{Pictures, Sidecar, missing},
 };
 use crate::{
-    experiment::{Course, GENERATOR, Identity, Phase, Protocol, Replay, Replayed, Schedule, TrialRecord, columns},
+    experiment::{Course, GENERATOR, Identity, Phase, Protocol, Replay, Replayed, TrialRecord, columns},
     stimulus::Stimulus,
     store::{
-        FileError, FileErrors, StoreError, definition,
-        file::{exists, held, sha256},
+        FileError, FileErrors, StoreError,
+        file::{exists, held},
     },
 };
 
@@ -41,17 +41,19 @@ pub struct Recorded {
     pub identity: Identity,
     /// The definition, from the sidecar.
     pub protocol: Protocol,
-    /// The order of the trials, from the definition and the seed.
-    pub schedule: Schedule,
+    /// The session after the rows, from the definition and the seed.
+    pub course: Course,
     pub sidecar: Sidecar,
     /// The rows, in the order of the file.
     pub rows: Vec<TrialRecord>,
     /// The rows, as they were recomputed.
-    replays: Replays,
+    pub(super) replays: Replays,
     /// An incomplete last line, if the session was interrupted and not resumed.
     pub partial_line: Option<String>,
     /// The files that differ from what the session wrote, according to its seals and the hash of its definition.
     pub changed: Vec<FileError>,
+    /// The index of the first sitting whose seal differs.
+    pub(super) first_changed: Option<usize>,
 }
 
 /// How often a session is read if its sidecar changes in the meantime, which happens at the beginning and end of a sitting.
@@ -64,11 +66,14 @@ impl Recorded {
     /// The file is not named like a data file; there is no sidecar; a file cannot be read; or a file cannot be parsed,
     /// with the location of every error. [`StoreError::InUse`] if another program is just creating the session.
     pub fn open(csv: &Path) -> Result<Self, StoreError> {
+        identity(csv)?;
         let sidecar_path = csv.with_extension("json");
         let mut before = Sidecar::text(&sidecar_path)?;
         for _ in 0..ATTEMPTS {
             let running = held(csv)?;
-            let read = Self::read(csv, before.clone().ok_or_else(|| missing(&sidecar_path)), running.clone());
+            let parsed = |text: &Vec<u8>| Ok((Sidecar::parse(&sidecar_path, text)?, text.clone()));
+            let sidecar = before.as_ref().map_or_else(|| Err(missing(&sidecar_path).into()), parsed);
+            let read = sidecar.and_then(|sidecar| Self::of(csv, sidecar, running.clone()));
             // A sitting that begins or ends in the meantime writes the sidecar again.
             let after = Sidecar::text(&sidecar_path)?;
             if before == after {
@@ -84,28 +89,32 @@ impl Recorded {
         Err(FileErrors::whole(&sidecar_path, what).into())
     }
 
-    fn read(csv: &Path, text: Result<Vec<u8>, FileErrors>, running: Option<String>) -> Result<Self, StoreError> {
-        let identity = identity(csv)?;
-        let (sidecar_path, sidecar_text) = (csv.with_extension("json"), text?);
-        let sidecar = Sidecar::parse(&sidecar_path, &sidecar_text)?;
-        let protocol = definition::from_json(&sidecar_path.display().to_string(), &sidecar.definition)?;
+    /// Reads a session with this sidecar and its text.
+    ///
+    /// # Errors
+    /// The same errors as [`Recorded::open`]; those in the rows have a place.
+    pub(super) fn of(
+        csv: &Path,
+        (sidecar, sidecar_text): (Sidecar, Vec<u8>),
+        running: Option<String>,
+    ) -> Result<Self, StoreError> {
+        let (identity, sidecar_path) = (identity(csv)?, csv.with_extension("json"));
+        let (protocol, definition_error) = sidecar.protocol(&sidecar_path)?;
         let course = Course::new(&protocol, &identity, sidecar.seed)
             .map_err(|error| FileErrors::whole(&sidecar_path, error.to_string()))?;
         let (data, columns) = (results::content(csv)?, columns(&protocol));
-        let frames = seal::frames(csv, &sidecar)?;
         let (whole, partial_line) = results::whole(csv, data.clone(), &columns)?;
-        let differences = seal::differences(csv, &sidecar, &data, frames.as_deref());
-        let mut changed: Vec<FileError> = differences.into_iter().map(|(_, error)| error).collect();
-        changed.extend(sidecar.definition_error(&sidecar_path, &definition::hash(&protocol)));
+        let Compared { differences, first, frames_sha256 } = seal::compare(csv, &sidecar, &data)?;
+        let changed: Vec<FileError> = differences.into_iter().chain(definition_error).collect();
         let frames_path = beside(csv, FRAMES_SUFFIX);
         // Rows that cannot be read say nothing about whether the file is the one that was sealed.
         let rows = results::parse(&csv.display().to_string(), &whole, &columns)
             .map_err(|FileErrors(errors)| FileErrors([errors, changed.clone()].concat()))?;
-        let schedule = course.schedule().clone();
-        let (replays, _) = replay(csv, course, (&identity, &sidecar), &rows);
+        let (replays, course) = replay(csv, course, (&identity, &sidecar), &rows);
         Ok(Self {
             changed,
-            frames_sha256: frames.as_deref().map(sha256),
+            first_changed: first,
+            frames_sha256,
             rows,
             replays,
             data,
@@ -116,7 +125,7 @@ impl Recorded {
             frames: exists(&frames_path)?.then_some(frames_path),
             identity,
             protocol,
-            schedule,
+            course,
             sidecar,
             partial_line,
         })
@@ -167,7 +176,8 @@ impl Recorded {
         let (mut known, mut conditions) = (HashSet::new(), HashSet::new());
         // A rating shows its condition, so most rows need not be looked at.
         let is_rating = self.protocol.task.is_default();
-        let is_new = |row: &&Replayed| !is_rating || conditions.insert(self.schedule.trials[row.trial].condition);
+        let is_new =
+            |row: &&Replayed| !is_rating || conditions.insert(self.course.schedule().trials[row.trial].condition);
         let all = self.replays.replayed.iter().flatten().filter(is_new).flat_map(|row| &row.shown.stimuli);
         all.filter(|stimulus| known.insert(stimulus.key())).collect()
     }
@@ -210,20 +220,23 @@ impl Replays {
 }
 
 /// Recomputes the rows of a session that begins with `course`, and returns the session after them.
-pub(super) fn replay(
+fn replay(
     csv: &Path,
     course: Course,
     (identity, sidecar): (&Identity, &Sidecar),
     rows: &[TrialRecord],
 ) -> (Replays, Course) {
     let is_repaired = sidecar.is_repaired();
-    let mut replay = Replay::new(identity, course, is_repaired);
+    let mut replay = Replay::new(identity, course);
     let mut order = Order::new(is_repaired, sidecar.sittings.len());
     let (mut replayed, mut errors) = (Vec::new(), Vec::new());
     for (row, line) in rows.iter().zip(2..) {
         let found = replay.row(row);
         let wrong = match &found {
-            Ok(planned) => planned.gap.clone().into_iter().chain(order.add(row)).collect(),
+            Ok(planned) => {
+                let gap = planned.gap.clone().filter(|_| !is_repaired);
+                gap.into_iter().chain(order.add(row)).collect()
+            }
             Err(message) => vec![message.clone()],
         };
         errors.extend(wrong.into_iter().map(|message| FileError::at(csv, (line, 1), message)));
@@ -260,46 +273,40 @@ impl<'a> Order<'a> {
         Self { is_repaired, sittings, attempts: HashMap::new(), last: None }
     }
 
-    /// Returns a message for each reason why a row cannot follow the rows so far.
+    /// Returns each reason why a row cannot follow the rows so far.
     pub fn errors(&self, row: &'a TrialRecord) -> Vec<String> {
-        self.faults(row).into_iter().map(|fault| format!("row {} {fault}", row.row_id)).collect()
-    }
-
-    fn faults(&self, row: &'a TrialRecord) -> Vec<String> {
-        let (place, attempt) = (place_of(row), row.attempt);
-        let mut errors = Vec::new();
-        if !(1..=self.sittings).contains(&(row.sitting as usize)) {
-            errors.push(format!("is of sitting {}; expected 1 to {}, as in the sidecar", row.sitting, self.sittings));
+        let (place, attempt, mut errors) = (place_of(row), row.attempt, Vec::new());
+        let mut fault = |what: &str| errors.push(format!("row {} {what}", row.row_id));
+        let (sitting, sittings) = (row.sitting, self.sittings);
+        if !(1..=sittings).contains(&(sitting as usize)) {
+            fault(&format!("is of sitting {sitting}; expected 1 to {sittings}, as in the sidecar"));
         }
         let expected = self.attempts.get(&place).copied().unwrap_or(0) + 1;
         if attempt != expected && !(self.is_repaired && attempt > expected) {
-            errors.push(format!("is attempt {attempt}; expected attempt {expected}"));
+            fault(&format!("is attempt {attempt}; expected attempt {expected}"));
         }
         let Some((above, furthest)) = self.last else { return errors };
-        let same_sitting = row.sitting == above.sitting;
+        let same_sitting = sitting == above.sitting;
         let since = |of: fn(&TrialRecord) -> f64| of(row) - of(above);
         let onset = since(|row| row.onset_s.0);
-        if row.sitting < above.sitting || onset < 0.0 {
-            errors.push("was recorded before the row above it; expected the order of recording".to_owned());
+        if sitting < above.sitting || onset < 0.0 {
+            fault("was recorded before the row above it; expected the order of recording");
         } else if attempt == 1 && onset < above.response_time_s.0 - TOLERANCE_S {
-            errors.push("begins before the row above it was rated; expected the order of recording".to_owned());
+            fault("begins before the row above it was rated; expected the order of recording");
         } else if same_sitting
             && (since(|row| row.started_at.as_millisecond() as f64 / 1e3) - onset).abs() > TOLERANCE_S
         {
-            errors.push("differs in onset_s and started_at; expected the same time since the row above".to_owned());
+            fault("differs in onset_s and started_at; expected the same time since the row above");
         }
         if attempt == 1 && same_sitting && place <= furthest {
-            let message = "is not in the planned order; expected practice before main, and trials in ascending order";
-            errors.push(message.to_owned());
+            fault("is not in the planned order; expected practice before main, and trials in ascending order");
         } else if attempt > 1
             && !self.is_repaired
             && !(same_sitting && place == place_of(above))
             // A later sitting may repeat the practice, in the planned order.
             && !(row.phase == Phase::Practice && (!same_sitting || place > furthest))
         {
-            let message =
-                "corrects a rating that is not directly above it; expected a correction directly after the rating";
-            errors.push(message.to_owned());
+            fault("corrects a rating that is not directly above it; expected a correction directly after the rating");
         }
         errors
     }
@@ -429,7 +436,7 @@ fn check_pictures(recorded: &Recorded, renderer: &mut Renderer, found: &mut Veri
     let pictures = recorded.sidecar.sittings.iter().filter_map(|sitting| sitting.pictures.as_ref());
     let pictures: Vec<_> = pictures.collect();
     found.pictures = pictures.iter().map(|pictures| pictures.sha256.len() + pictures.others.len()).sum();
-    if recorded.schedule.conditions.iter().any(|condition| !condition.stimulus.is_drawable()) {
+    if recorded.course.schedule().conditions.iter().any(|condition| !condition.stimulus.is_drawable()) {
         found.notes.push(format!(
             "{} pictures are the study's own files and were not rendered again; the sidecar has the hashes of the files",
             std::mem::take(&mut found.pictures)
@@ -437,7 +444,7 @@ fn check_pictures(recorded: &Recorded, renderer: &mut Renderer, found: &mut Veri
     }
     let shown = recorded.shown();
     let hashed: HashSet<String> =
-        pictures.iter().flat_map(|of| of.by_key(&recorded.schedule.conditions).into_keys()).collect();
+        pictures.iter().flat_map(|of| of.by_key(&recorded.course.schedule().conditions).into_keys()).collect();
     let unproved = shown.iter().filter(|stimulus| !hashed.contains(&stimulus.key())).count();
     if unproved > 0 {
         found.notes.push(format!(
@@ -449,7 +456,7 @@ fn check_pictures(recorded: &Recorded, renderer: &mut Renderer, found: &mut Veri
 
 /// Re-renders the pictures of each sitting, and reports those that differ from what was shown.
 pub(crate) fn picture_errors(recorded: &Recorded, renderer: &mut Renderer) -> Vec<FileError> {
-    let (path, conditions) = (&recorded.sidecar_path, &recorded.schedule.conditions);
+    let (path, conditions) = (&recorded.sidecar_path, &recorded.course.schedule().conditions);
     let mut errors = Vec::new();
     let mut rendered = 0;
     for (sitting, pictures) in (1..).zip(recorded.sidecar.sittings.iter().map(|sitting| &sitting.pictures)) {

@@ -113,7 +113,7 @@ fn sort(
     };
     let first = if header_restored { 1 } else { 2 };
     let rows: Vec<Option<TrialRecord>> = lines.iter().map(|line| row(&header, line, columns)).collect();
-    let [mut replay, mut whole] = [true, false].map(|has_gaps| Replay::new(identity, course.clone(), has_gaps));
+    let mut replay = Replay::new(identity, course);
     let (mut order, mut known, mut faults) = (Order::new(true, sidecar.sittings.len()), HashSet::new(), Vec::new());
     let mut found = Repaired { header_restored, ..Repaired::default() };
     // The last sitting that has a seal, which counts its rows and those of the sittings before it.
@@ -122,19 +122,19 @@ fn sort(
     let mut left = 0;
     let (mut damaged, mut kept, mut planned) = (Vec::new(), header.clone(), 0);
     for ((line, row), number) in lines.iter().zip(&rows).zip(first..) {
-        let row = row.as_ref().filter(|row| replay.row(row).is_ok());
+        let row = row.as_ref().and_then(|row| Some((row, replay.row(row).ok()?)));
         planned += usize::from(row.is_some());
-        let errors = row.map_or_else(Vec::new, |row| order.errors(row));
-        if let Some(row) = row.filter(|_| errors.is_empty()) {
+        let errors = row.as_ref().map_or_else(Vec::new, |(row, _)| order.errors(row));
+        if let Some((row, replayed)) = row.as_ref().filter(|_| errors.is_empty()) {
             order.add(row);
             known.insert(&row.row_id);
             left += usize::from(sealed.is_some_and(|(index, _)| row.sitting as usize <= index + 1));
-            found.has_gaps |= whole.row(row).map_or(true, |planned| planned.gap.is_some());
+            found.has_gaps |= replayed.gap.is_some();
             kept.extend_from_slice(line);
         } else {
             found.lines.push(number);
             damaged.extend_from_slice(line);
-            faults.extend(row.zip(errors.into_iter().next()));
+            faults.extend(row.map(|(row, _)| row).zip(errors.into_iter().next()));
         }
     }
     // A row of which a copy is kept is only repeated.

@@ -29,44 +29,40 @@ pub(super) fn accepted(difference: &FileError) -> String {
     format!("{ACCEPTED}that {file} {}", difference.message)
 }
 
-/// Returns an error for each file of a session that differs from what the session wrote.
-///
-/// # Errors
-/// A file exists but cannot be read.
-pub fn errors(csv: &Path, sidecar: &Sidecar) -> Result<Vec<FileError>, StoreError> {
-    let (data, frames) = (results::content(csv)?, frames(csv, sidecar)?);
-    Ok(differences(csv, sidecar, &data, frames.as_deref()).into_iter().map(|(_, error)| error).collect())
+/// The files of a session, compared with its seals.
+#[derive(Debug)]
+pub(in crate::store) struct Compared {
+    /// Every difference, in the order of the sittings.
+    pub differences: Vec<FileError>,
+    /// The index of the first sitting whose seal differs.
+    pub first: Option<usize>,
+    /// The SHA-256 of the frames file; `None` if it does not exist, or if neither the seals nor the incidents say whether
+    /// there are frames.
+    pub frames_sha256: Option<String>,
 }
 
-/// Reads the frames file of a session; `None` if it does not exist, or if neither the seals nor the incidents say whether
-/// there are frames.
+/// Compares the data file `csv`, whose content is `data`, the sidecar and the frames file with the seals. The seal of the last
+/// sitting covers the whole files, and the seals of earlier sittings cover their beginnings. Every sitting that ended must have
+/// a seal.
 ///
 /// # Errors
-/// The file exists but cannot be read.
-pub(super) fn frames(csv: &Path, sidecar: &Sidecar) -> Result<Option<Vec<u8>>, StoreError> {
-    let is_compared = is_without_frames(sidecar) || sidecar.seals().any(|seal| seal.frames_sha256.is_some());
-    if is_compared { read_existing(&beside(csv, FRAMES_SUFFIX), MAX_FRAMES) } else { Ok(None) }
-}
-
-/// Returns every difference from the seals with the index of its sitting, in the order of the sittings: the data file
-/// `csv`, the sidecar and the frames file. The seal of the last sitting covers the whole files, and the seals of earlier
-/// sittings cover their beginnings. Every sitting that ended must have a seal.
-pub(super) fn differences(
-    csv: &Path,
-    sidecar: &Sidecar,
-    data: &[u8],
-    frames: Option<&[u8]>,
-) -> Vec<(usize, FileError)> {
+/// The frames file exists but cannot be read.
+pub(in crate::store) fn compare(csv: &Path, sidecar: &Sidecar, data: &[u8]) -> Result<Compared, StoreError> {
     let [sidecar_path, frames_path] = [SIDECAR_SUFFIX, FRAMES_SUFFIX].map(|suffix| beside(csv, suffix));
+    let is_without_frames = is_without_frames(sidecar);
+    let has_frames = is_without_frames || sidecar.seals().any(|seal| seal.frames_sha256.is_some());
+    let frames = if has_frames { read_existing(&frames_path, MAX_FRAMES)? } else { None };
+    let frames_sha256 = frames.as_deref().map(sha256);
     let last = sidecar.sittings.len().saturating_sub(1);
-    let mut found = Vec::new();
+    let (mut differences, mut first) = (Vec::new(), None);
     for (sitting, entry) in sidecar.sittings.iter().enumerate() {
         let is_prefix = sitting < last;
         let since = if is_prefix { format!("sitting {} ended", sitting + 1) } else { ENDED.to_owned() };
         let Some(seal) = &entry.seal else {
             if entry.ended_at.is_some() || entry.complete {
                 let message = format!("has no seal although {since}; expected the hashes of the files at that time");
-                found.push((sitting, FileError::whole(&sidecar_path, message)));
+                differences.push(FileError::whole(&sidecar_path, message));
+                first.get_or_insert(sitting);
             }
             continue;
         };
@@ -82,27 +78,33 @@ pub(super) fn differences(
                 Ok(is) => format!("was changed since {since}: sha256 {is}; expected {was}"),
                 Err(why) => format!("{why}; expected the file with sha256 {was} that the session wrote"),
             };
-            found.push((sitting, FileError::whole(path, message)));
+            differences.push(FileError::whole(path, message));
+            first.get_or_insert(sitting);
         };
-        compare(csv, beginning(data, is_prefix.then_some(seal.data_bytes)), &seal.data_sha256);
+        let is = if is_prefix { beginning(data, seal.data_bytes) } else { Ok(sha256(data)) };
+        compare(csv, is, &seal.data_sha256);
         compare(&sidecar_path, Ok(sidecar.sha256_at_end_of(sitting)), &seal.sidecar_sha256);
         if let Some(was) = &seal.frames_sha256 {
-            let bytes = seal.frames_bytes.filter(|_| is_prefix);
-            let is = frames.map_or_else(|| Err("no longer exists".to_owned()), |frames| beginning(frames, bytes));
+            let is = match (seal.frames_bytes.filter(|_| is_prefix), &frames) {
+                (_, None) => Err("no longer exists".to_owned()),
+                (Some(bytes), Some(frames)) => beginning(frames, bytes),
+                (None, Some(_)) => Ok(frames_sha256.clone().unwrap_or_default()),
+            };
             compare(&frames_path, is, was);
         }
     }
-    if let Some(added) = frames.filter(|_| is_without_frames(sidecar)) {
+    if let Some(sha256) = frames_sha256.as_ref().filter(|_| is_without_frames) {
         let expected = "expected only the files of the session";
-        let message = format!("is in no seal, so it was added after {ENDED}: sha256 {}; {expected}", sha256(added));
-        found.push((last, FileError::whole(&frames_path, message)));
+        let message = format!("is in no seal, so it was added after {ENDED}: sha256 {sha256}; {expected}");
+        differences.push(FileError::whole(&frames_path, message));
+        first.get_or_insert(last);
     }
-    found
+    Ok(Compared { differences, first, frames_sha256 })
 }
 
-/// Returns the hash of the first `bytes` bytes of a file, or of the whole file if `bytes` is `None`.
-fn beginning(content: &[u8], bytes: Option<u64>) -> Result<String, String> {
-    let end = bytes.map_or(content.len(), |bytes| usize::try_from(bytes).unwrap_or(usize::MAX));
+/// Returns the hash of the first `bytes` bytes of a file.
+fn beginning(content: &[u8], bytes: u64) -> Result<String, String> {
+    let end = usize::try_from(bytes).unwrap_or(usize::MAX);
     content.get(..end).map(sha256).ok_or_else(|| format!("has fewer than {end} bytes"))
 }
 

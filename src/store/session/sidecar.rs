@@ -101,12 +101,16 @@ impl Sidecar {
         self.sittings.last().is_some_and(|sitting| sitting.seal.is_some())
     }
 
-    /// Returns an error if the definition in the sidecar at `path`, of which this is [`definition::hash`], is not the one
-    /// that was used.
-    pub(in crate::store) fn definition_error(&self, path: &Path, hash: &str) -> Option<FileError> {
-        let expected = &self.definition_sha256;
+    /// Returns the definition in the sidecar at `path`, and an error if it is not the one that was used.
+    ///
+    /// # Errors
+    /// It is not a definition.
+    pub(in crate::store) fn protocol(&self, path: &Path) -> Result<(Protocol, Option<FileError>), FileErrors> {
+        let protocol = definition::from_json(&path.display().to_string(), &self.definition)?;
+        let (hash, expected) = (definition::hash(&protocol), &self.definition_sha256);
         let message = || format!("the definition has sha256 {hash}; expected {expected}, the hash of the one used");
-        (hash != expected).then(|| FileError::whole(path, message()))
+        let error = (hash != *expected).then(|| FileError::whole(path, message()));
+        Ok((protocol, error))
     }
 
     /// Returns the seals of the sittings, in their order.
@@ -190,7 +194,7 @@ impl Sidecar {
     pub(super) fn of(csv: &Path) -> Result<(PathBuf, Self, Protocol), StoreError> {
         let path = csv.with_extension("json");
         let sidecar = Self::read(&path)?.ok_or_else(|| missing(&path))?;
-        let protocol = definition::from_json(&path.display().to_string(), &sidecar.definition)?;
+        let (protocol, _) = sidecar.protocol(&path)?;
         Ok((path, sidecar, protocol))
     }
 

@@ -4,16 +4,16 @@ use std::{path::Path, sync::Arc};
 
 use super::{
     dataset::{PARTICIPANTS, SessionPaths, enter},
-    recorded::replay,
+    recorded::Recorded,
     results,
-    seal::{self, accepted, previous},
+    seal::{accepted, previous},
     sidecar::{FrameSummary, Seal, Sidecar, Sitting, missing},
 };
 use crate::{
-    experiment::{Answers, Course, Identity, Protocol, Replay, Resumed, TrialRecord, columns},
+    experiment::{Answers, Course, Identity, Protocol, Resumed, TrialRecord, columns},
     stimulus::Stimulus,
     store::{
-        FileError, FileErrors, StoreError, definition,
+        FileErrors, StoreError, definition,
         file::{AppendFile, exists, sha256},
         table,
     },
@@ -42,7 +42,7 @@ pub enum Changes {
     Accept,
 }
 
-/// The state of an interrupted session.
+/// The state of a session that begins, or of an interrupted one.
 #[derive(Debug)]
 pub struct Interrupted {
     /// Its trials, and the answers so far.
@@ -66,19 +66,37 @@ impl Interrupted {
     }
 }
 
+impl From<&Recorded> for Interrupted {
+    fn from(recorded: &Recorded) -> Self {
+        // Times of answers are measured from the last interval, and onsets are those of the first.
+        let lead_s = recorded.protocol.task.layout().lead_s();
+        let last = recorded.rows.last();
+        Self {
+            resumed: Resumed { done: recorded.replays.done(), ..Resumed::default() },
+            elapsed_s: last.map_or(0.0, |row| row.onset_s.0 + lead_s + row.response_time_s.0),
+            rows: recorded.rows.clone(),
+            sitting: recorded.sidecar.sittings.len() as u32 + 1,
+            partial_line: recorded.partial_line.clone(),
+            course: recorded.course.clone(),
+        }
+    }
+}
+
 impl SessionStore {
     /// Creates the files of a new session.
     ///
     /// # Errors
-    /// [`StoreError::Exists`], or an I/O error.
+    /// [`StoreError::Exists`]; there is no such order of the trials; I/O errors.
     pub fn create(
         results: &Path,
         protocol: &Protocol,
         identity: &Identity,
         seed: u64,
         sitting: Sitting,
-    ) -> Result<Self, StoreError> {
+    ) -> Result<(Self, Interrupted), StoreError> {
         let paths = SessionPaths::new(results, protocol, identity);
+        let course = Course::new(protocol, identity, seed);
+        let course = course.map_err(|error| FileErrors::whole(&paths.csv, error.to_string()))?;
         // A sidecar or frames file without rows also belongs to an existing session.
         for taken in [&paths.csv, &paths.sidecar, &paths.frames] {
             if exists(taken)? {
@@ -103,7 +121,8 @@ impl SessionStore {
         }
         let frames = Some(results::new_frames(&paths.frames));
         let (protocol, identity) = (protocol.clone(), identity.clone());
-        Ok(Self { protocol, identity, paths, rows, sidecar, frames, frames_refused: false })
+        let store = Self { protocol, identity, paths, rows, sidecar, frames, frames_refused: false };
+        Ok((store, Interrupted::before_the_first_trial(course)))
     }
 
     /// Resumes an interrupted session.
@@ -120,8 +139,9 @@ impl SessionStore {
         sitting: Sitting,
         changes: Changes,
     ) -> Result<(Self, Interrupted), StoreError> {
-        let Found { paths, rows, sidecar, differences, interrupted, is_finished } =
-            Found::read(results, protocol, identity, seed, changes)?;
+        let Found { paths, rows, recorded, is_finished } = Found::read(results, protocol, identity, seed, changes)?;
+        let interrupted = Interrupted::from(&recorded);
+        let Recorded { sidecar, changed, first_changed, .. } = recorded;
         let frames = results::open_frames(&paths.frames);
         let without_frames = frames.as_ref().err().map(ToString::to_string);
         let (protocol, identity, frames) = (protocol.clone(), identity.clone(), frames.ok());
@@ -129,13 +149,13 @@ impl SessionStore {
         store.paths.remove_temporary(true);
         // From here on, the files are changed, unless the session is complete.
         if !is_finished {
-            if let Some(first) = differences.iter().map(|(sitting, _)| *sitting).min() {
+            if let Some(first) = first_changed {
                 let now = store.seal_of_files();
                 store.sidecar.reseal(first, &now);
             }
             store.sidecar.sittings.push(sitting);
             store.note_lock();
-            differences.iter().for_each(|(_, difference)| store.note(accepted(difference)));
+            changed.iter().for_each(|difference| store.note(accepted(difference)));
             if let Some(partial_line) = &interrupted.partial_line {
                 store.note(format!(
                     "an incomplete last row was removed, and its trial was shown again: {partial_line:?}"
@@ -338,10 +358,7 @@ impl SessionStore {
 struct Found {
     paths: SessionPaths,
     rows: AppendFile,
-    sidecar: Sidecar,
-    /// The differences between the files and their seals, which the user accepted.
-    differences: Vec<(usize, FileError)>,
-    interrupted: Interrupted,
+    recorded: Recorded,
     /// True if every trial is rated and the sidecar says so too, so that there is nothing to do.
     is_finished: bool,
 }
@@ -371,64 +388,43 @@ impl Found {
         }
         paths.refuse_links()?;
         // The file is locked before anything is read, because another program may be ending this very session.
-        let columns = columns(protocol);
-        let rows = results::open(&paths.csv, &columns)?;
-        let found = Sidecar::read(&paths.sidecar)?;
-        if let Some(sidecar) = &found {
-            check_same(sidecar, protocol, seed, &paths.sidecar)?;
-            let kept = definition::from_json(&paths.sidecar.display().to_string(), &sidecar.definition)?;
-            let changed = sidecar.definition_error(&paths.sidecar, &definition::hash(&kept));
-            FileErrors::none(changed.into_iter().collect())?;
-        }
-        let name = paths.csv.display().to_string();
-        let recovered = results::parse(&name, rows.content(), &columns).map_err(repairable)?;
-        let sidecar = match found {
-            Some(sidecar) => sidecar,
-            // A session without rows has recorded nothing that could belong to another definition.
-            None if recovered.is_empty() => {
-                let incidents = vec!["the sidecar of the first sitting was missing on resume".to_owned()];
-                Sidecar::new(protocol, seed.unwrap_or_default(), Sitting { incidents, ..Sitting::default() })
-            }
-            None => return Err(missing(&paths.sidecar).into()),
+        let rows = results::open(&paths.csv, &columns(protocol))?;
+        let text = Sidecar::text(&paths.sidecar)?;
+        let sidecar = if let Some(text) = &text {
+            let sidecar = Sidecar::parse(&paths.sidecar, text)?;
+            check_same(&sidecar, protocol, seed, &paths.sidecar)?;
+            FileErrors::none(sidecar.protocol(&paths.sidecar)?.1.into_iter().collect())?;
+            sidecar
+        } else {
+            let incidents = vec!["the sidecar of the first sitting was missing on resume".to_owned()];
+            Sidecar::new(protocol, seed.unwrap_or_default(), Sitting { incidents, ..Sitting::default() })
         };
-        let (data, frames) = (results::content(&paths.csv)?, seal::frames(&paths.csv, &sidecar)?);
-        let differences = seal::differences(&paths.csv, &sidecar, &data, frames.as_deref());
-        if changes == Changes::Refuse && !differences.is_empty() {
-            let errors = differences.into_iter().map(|(_, error)| error);
-            return Err(StoreError::Altered(FileErrors(errors.collect())));
+        let is_lost = text.is_none();
+        let recorded = Recorded::of(&paths.csv, (sidecar, text.unwrap_or_default()), None).map_err(repairable)?;
+        // A session without rows has recorded nothing that could belong to another definition.
+        if is_lost && !recorded.rows.is_empty() {
+            return Err(missing(&paths.sidecar).into());
         }
-        let mismatch = |what: String| FileErrors::whole(&paths.csv, what);
-        let course = Course::new(protocol, identity, sidecar.seed).map_err(|error| mismatch(error.to_string()))?;
-        let mut anywhere = Replay::new(identity, course.clone(), true);
-        let (replays, course) = replay(&paths.csv, course, (identity, &sidecar), &recovered);
-        if let Some(first) = replays.errors.first().filter(|_| recovered.iter().all(|row| anywhere.row(row).is_err())) {
+        if changes == Changes::Refuse && !recorded.changed.is_empty() {
+            return Err(StoreError::Altered(FileErrors(recorded.changed)));
+        }
+        let (errors, replayed) = (recorded.row_errors(), &recorded.replays.replayed);
+        if let Some(first) = errors.first().filter(|_| replayed.iter().all(Result::is_err)) {
             // The rows of another session cannot be repaired.
-            return Err(mismatch(first.message.clone()).into());
+            return Err(FileErrors::whole(&paths.csv, first.message.clone()).into());
         }
-        FileErrors::none(replays.errors.clone()).map_err(repairable)?;
-        let partial_line = rows.partial_line().map(str::to_owned);
-        let is_finished =
-            replays.left == 0 && partial_line.is_none() && sidecar.is_complete() && differences.is_empty();
-        let last = recovered.last();
-        // Times of answers are measured from the last interval, and onsets are those of the first.
-        let lead_s = protocol.task.layout().lead_s();
-        let interrupted = Interrupted {
-            resumed: Resumed { done: replays.done(), ..Resumed::default() },
-            elapsed_s: last.map_or(0.0, |row| row.onset_s.0 + lead_s + row.response_time_s.0),
-            rows: recovered,
-            sitting: sidecar.sittings.len() as u32 + 1,
-            partial_line,
-            course,
-        };
-        Ok(Self { paths, rows, sidecar, differences, interrupted, is_finished })
+        FileErrors::none(errors.to_vec()).map_err(|errors| repairable(errors.into()))?;
+        let is_finished = recorded.is_complete() && recorded.sidecar.is_complete() && recorded.first_changed.is_none();
+        Ok(Self { paths, rows, recorded, is_finished })
     }
 }
 
-/// Names the command that makes a session with such errors resumable.
-fn repairable(FileErrors(mut errors): FileErrors) -> FileErrors {
+/// Names the command that makes a session with errors in its rows resumable.
+fn repairable(error: StoreError) -> StoreError {
     let how = "; machband repair moves such lines to another file and notes missing rows, so that it can be resumed";
-    errors.iter_mut().for_each(|error| error.message += how);
-    FileErrors(errors)
+    let StoreError::FileErrors(FileErrors(mut errors)) = error else { return error };
+    errors.iter_mut().filter(|error| error.position.is_some()).for_each(|error| error.message += how);
+    FileErrors(errors).into()
 }
 
 /// Checks that a session was recorded with this definition and this seed.
