@@ -5,7 +5,7 @@ use std::{convert::Infallible, path::PathBuf};
 use glam::DVec3;
 use machband::{
     display::{Screen, Viewing},
-    light::{CodeImage, Depth, Interpolation, LinearImage, Quantizer, Samples, Transfer},
+    light::{CodeImage, Depth, LinearImage, Quantizer, Samples, TANH_K, Transfer},
     stimulus::{ParameterValue, Stimulus, catalog, recipe::Recipe},
     store::{
         self, Writer,
@@ -138,8 +138,8 @@ fn map<'py>(
 /// Returns I_n of every element.
 #[pyfunction]
 pub fn interpolate<'py>(py: Python<'py>, u: Numbers<'py>, depth: &str) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-    let interpolation = Interpolation::new(depth.parse::<Depth>().map_err(error)?);
-    map(py, &u, |u| if u.is_nan() { u } else { interpolation.value(u) })
+    let depth: Depth = depth.parse().map_err(error)?;
+    map(py, &u, |u| if u.is_nan() { u } else { depth.interpolation(u, TANH_K) })
 }
 
 /// Encodes light, or decodes encoded values. If the channels of the display differ, each row has red, green and blue.

@@ -18,6 +18,7 @@ use std::str::FromStr;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
+use super::Transfer;
 use crate::text::names::{named, serde_as_text};
 
 /// How to choose between two codes. Written `none`, `ordered`, `ordered:MATRIX` with the name of a [`DitherMatrix`],
@@ -296,10 +297,11 @@ impl Thresholds {
 pub(super) struct Levels(Vec<f32>);
 
 impl Levels {
-    /// Describes a device whose code c produces the c-th of `levels`, which rise from 0 to 1. They are rounded to f32,
-    /// as images are, so that the last bits of a machine's `powf` do not matter.
-    pub(super) fn new(levels: impl Iterator<Item = f64>) -> Self {
-        Self(levels.map(|level| level as f32).collect())
+    /// Describes a device whose largest code is `max`. The levels are rounded to f32, as images are, so that the last bits
+    /// of a machine's `powf` do not matter.
+    pub(super) fn new(transfer: &Transfer, max: u16) -> Self {
+        let level = |code| transfer.linear_from_encoded(f64::from(code) / f64::from(max)) as f32;
+        Self((0..=max).map(level).collect())
     }
 
     /// Returns the largest code that produces no more light than `linear`; 0 for light below 0 and for NaN.

@@ -18,8 +18,7 @@ pub mod quantize;
 pub mod transfer;
 
 pub use dither::{Dither, DitherMatrix, DitherMatrixError, Thresholds};
-pub use halftone::Halftone;
 pub use image::{CodeImage, Levels, LinearImage, Samples, reaches};
-pub use interpolation::{Depth, DepthError, Interpolation};
+pub use interpolation::{Depth, DepthError, TANH_K};
 pub use quantize::{Bits, ChannelQuantizer, Quantizer};
 pub use transfer::{Gog, Transfer, TransferTable, Transfers};

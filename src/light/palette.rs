@@ -90,7 +90,7 @@ impl FromStr for Reduction {
 /// Returns an error if the image has 16 bits.
 pub fn reduce(
     image: &CodeImage,
-    transfers: impl Into<Transfers>,
+    transfers: &Transfers,
     reduction: Reduction,
 ) -> Result<IndexedImage, &'static str> {
     let colors = reduction.colors.clamp(1, MAX_COLORS) as usize;

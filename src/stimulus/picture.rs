@@ -271,7 +271,7 @@ impl Area for Picture {
         let background = quantizer.codes([self.gallery.background as f32; 3]);
         let light = self.sized(self.gallery.show.light(content), side);
         let codes = match self.gallery.show {
-            ShownAs::Codes => Quantizer::new(Transfer::Srgb, Bits::Eight).quantize(&light),
+            ShownAs::Codes => Quantizer::new(&Transfer::Srgb.into(), Bits::Eight).quantize(&light),
             ShownAs::Display if content.is_fine => quantizer.quantize_with(&light, &Dither::BlueNoise),
             ShownAs::Display => quantizer.quantize(&light),
         };

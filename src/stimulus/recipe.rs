@@ -10,7 +10,7 @@ use crate::{
 };
 
 /// Largest side of an image, pixels.
-pub const MAX_SIZE: u32 = crate::light::halftone::MAX_PX;
+pub const MAX_SIZE: u32 = 16_384;
 
 /// The complete description of an image. Equal recipes give equal codes on every machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

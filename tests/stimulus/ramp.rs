@@ -6,11 +6,11 @@ use machband::stimulus::{MachBand, ParameterValue, RampSpace, Stimulus, Stimulus
 use proptest::prelude::*;
 
 fn quantizers() -> Vec<Quantizer> {
-    let alike = transfers().into_iter().map(|transfer| Quantizer::new(transfer, Bits::Eight));
+    let alike = transfers().into_iter().map(|transfer| Quantizer::new(&transfer.into(), Bits::Eight));
     let dark_toe = Transfer::gog(2.2, 1.05, -0.05).unwrap();
     // Red and green, whose equal weights make yellow, have different transfer functions.
     let differing = Transfers::new([Transfer::Gamma(2.0), Transfer::Gamma(2.2), Transfer::Srgb]);
-    alike.chain([Quantizer::new(dark_toe, Bits::Eight), Quantizer::new(differing, Bits::Eight)]).collect()
+    alike.chain([Quantizer::new(&dark_toe.into(), Bits::Eight), Quantizer::new(&differing, Bits::Eight)]).collect()
 }
 
 /// Checks that the codes equal the quantized light.
@@ -52,7 +52,7 @@ fn luminances() -> impl Strategy<Value = (f64, f64)> {
         // On the threshold of a code, or a rounding error away from it.
         (1u16..255, 1u16..255, -2..=2i32)
             .prop_map(|(a, b, off)| {
-                let quantizer = Quantizer::new(&Transfer::Linear, Bits::Eight);
+                let quantizer = Quantizer::new(&Transfer::Linear.into(), Bits::Eight);
                 let low = f64::from(quantizer.channel(0).threshold(a.min(b)));
                 let high = f64::from(quantizer.channel(0).threshold(a.max(b)));
                 (low + f64::from(off) * f64::EPSILON, high + f64::from(off) * 1e-9)
@@ -104,7 +104,7 @@ proptest! {
     ) {
         prop_assert_eq!(stimulus.validate(), Ok(()));
         let quantizer = match transfer {
-            7 => Quantizer::new(Transfer::gamma(gamma).unwrap(), Bits::Eight),
+            7 => Quantizer::new(&Transfer::gamma(gamma).unwrap().into(), Bits::Eight),
             other => quantizers().swap_remove(other),
         };
         assert_codes_are_right(&stimulus, size, &quantizer);

@@ -5,10 +5,10 @@ use std::{borrow::Cow, path::Path};
 use crate::{
     light::{
         CodeImage, Quantizer, Samples, Transfer, Transfers,
-        halftone::{Halftone, MAX_PX, Screen},
+        halftone::{self, Screen},
         palette::{Reduction, reduce},
     },
-    stimulus::recipe::Recipe,
+    stimulus::recipe::{MAX_SIZE, Recipe},
     store::{FileErrors, StoreError, Writer, error::io, file::sha256},
 };
 
@@ -55,7 +55,7 @@ impl Finish {
 /// Renders a recipe as the content of the PNG file at `path`.
 ///
 /// # Errors
-/// The image is too large for a PNG, or a halftone would have more than [`MAX_PX`] pixels on a side; or the recipe has 16
+/// The image is too large for a PNG, or a halftone would have more than [`MAX_SIZE`] pixels on a side; or the recipe has 16
 /// bits, which a palette cannot have.
 pub fn recipe_png(path: &Path, recipe: &Recipe, quantizer: &Quantizer, finish: Finish) -> Result<Vec<u8>, StoreError> {
     let (transfers, mut texts) = (&recipe.transfers, vec![(KEYWORD, describe(recipe))]);
@@ -71,12 +71,12 @@ pub fn recipe_png(path: &Path, recipe: &Recipe, quantizer: &Quantizer, finish: F
         }
         Finish::Halftone(screen) => {
             let side = finish.side(recipe);
-            if side > MAX_PX {
-                let message = format!("the halftone {screen} has {side} pixels on a side; expected at most {MAX_PX}");
+            if side > MAX_SIZE {
+                let message = format!("the halftone {screen} has {side} pixels on a side; expected at most {MAX_SIZE}");
                 return Err(FileErrors::whole(path, message).into());
             }
             texts.push((HALFTONE_KEYWORD, screen.to_string()));
-            encode(&Halftone::new(screen, transfers).enlarged(&recipe.linear()), transfers, &texts)
+            encode(&halftone::enlarged(&recipe.linear(), screen, transfers), transfers, &texts)
         }
     };
     png.map_err(|error| failed(path, error))
