@@ -1,6 +1,6 @@
 //! Stimuli and shaded meshes as arrays, and the functions that turn light into codes.
 
-use std::{convert::Infallible, path::PathBuf};
+use std::path::PathBuf;
 
 use glam::DVec3;
 use machband::{
@@ -29,9 +29,11 @@ pub type Given = Vec<(String, String)>;
 
 /// Makes a stimulus from its kind and its parameters.
 pub fn stimulus_of(kind: &str, given: Given) -> PyResult<Stimulus> {
-    let value = |text: &String| text.parse().unwrap_or_else(|never: Infallible| match never {});
-    Stimulus::with_parameters(kind, given.iter().map(|(name, text)| (name.as_str(), value(text))))
-        .map_err(|errors| error(errors.join("\n")))
+    let given = given.iter().map(|(name, text)| (name.as_str(), text.as_str()));
+    Stimulus::with_parameters(kind, given).map_err(|errors| {
+        let errors: Vec<String> = errors.iter().map(ToString::to_string).collect();
+        error(errors.join("\n"))
+    })
 }
 
 /// Returns codes as an array of shape (height, width, 3), without a copy.

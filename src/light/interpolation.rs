@@ -21,8 +21,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 /// Commands and files write it as `1` … `32` or `inf`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Depth {
-    /// A polynomial of degree 2n − 1, n from 1 (linear) to [`Depth::MAX_FINITE`]. Made by
-    /// [`Depth::finite`].
+    /// A polynomial of degree 2n − 1, n from 1 (linear) to [`Depth::MAX_FINITE`].
     Finite(u8),
     /// Bangay's n = ∞, a scaled tanh. It is not the limit of the finite depths, which is a step.
     Infinite,
@@ -31,17 +30,6 @@ pub enum Depth {
 impl Depth {
     /// The largest finite depth that is evaluated to within 1e-12.
     pub const MAX_FINITE: u8 = 32;
-
-    /// Makes the finite depth `n`.
-    ///
-    /// # Errors
-    /// Returns an error if `n` is not within 1…32.
-    pub fn finite(n: u32) -> Result<Depth, DepthError> {
-        match u8::try_from(n) {
-            Ok(n @ 1..=Depth::MAX_FINITE) => Ok(Depth::Finite(n)),
-            _ => Err(DepthError { depth: n.to_string(), problem: "is outside 1…32" }),
-        }
-    }
 }
 
 /// The error for a value that is not a [`Depth`].
@@ -67,14 +55,11 @@ impl FromStr for Depth {
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let text = text.trim();
-        if text == "inf" {
-            return Ok(Depth::Infinite);
-        }
-        // What is out of range stays so.
-        let n = text.parse::<i128>().map(|n| u32::try_from(n).unwrap_or(u32::MAX));
-        match n.map(Depth::finite) {
-            Ok(found) => found.map_err(|error| DepthError { depth: text.to_owned(), ..error }),
-            Err(_) => Err(DepthError { depth: format!("{text:?}"), problem: "is not a whole number" }),
+        match (text, text.parse::<i128>()) {
+            ("inf", _) => Ok(Depth::Infinite),
+            (_, Ok(n)) if (1..=Self::MAX_FINITE.into()).contains(&n) => Ok(Depth::Finite(n as u8)),
+            (_, Ok(_)) => Err(DepthError { depth: text.to_owned(), problem: "is outside 1…32" }),
+            _ => Err(DepthError { depth: format!("{text:?}"), problem: "is not a whole number" }),
         }
     }
 }

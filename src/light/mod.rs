@@ -5,12 +5,11 @@
 //!
 //! Values called *linear* are relative luminances: proportional to physical light, from 0 (none) to 1 (the display's
 //! maximum). Values called *encoded* are the signals that drive a display, 0…1, before rounding. *Codes* are the
-//! rounded integers. Only [`quantize`] converts light to a display's codes; [`halftone`] does so for devices with few
+//! rounded integers. Only [`quantize`] converts light to a display's codes; [`dither`] does so for devices with few
 //! codes.
 
 pub mod color;
 pub mod dither;
-pub mod halftone;
 pub mod image;
 pub mod interpolation;
 pub mod palette;

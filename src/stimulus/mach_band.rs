@@ -222,12 +222,9 @@ impl Profile for Ramp<'_> {
         self.light_at(x)
     }
 
-    fn turning_points(&self) -> Vec<f64> {
-        vec![-0.5 * self.band.width, 0.5 * self.band.width]
-    }
-
-    fn is_plain(&self) -> bool {
+    fn turns(&self) -> Option<Vec<(f64, f64)>> {
         let is_straight = self.color_ramp.is_none_or(|color_ramp| color_ramp.space == RampSpace::Rgb);
-        is_straight && self.band.rounding == 0.0 && self.band.nulling == 0.0
+        let is_known = is_straight && self.band.rounding == 0.0 && self.band.nulling == 0.0;
+        is_known.then(|| vec![(-0.5 * self.band.width, 0.0), (0.5 * self.band.width, 0.0)])
     }
 }

@@ -9,7 +9,10 @@ use super::{
     parameter::{Parameter, ParameterError, ParameterValue},
 };
 use crate::{
-    light::{Bits, CodeImage, Dither, LinearImage, Quantizer, Samples, Transfer, image::resized},
+    light::{
+        Bits, CodeImage, Dither, LinearImage, Quantizer, Samples, Transfer,
+        image::{resampled, shares},
+    },
     text::names::{expected_one_of, named},
 };
 
@@ -244,8 +247,9 @@ impl Picture {
         }
         let scale = f64::from(side) / f64::from(longer);
         let [width, height] = [light.width, light.height].map(|n| ((f64::from(n) * scale).round() as u32).max(1));
-        let at = |x, y| light.pixel(x, y).map(f64::from);
-        let data = resized([light.width, light.height], [width, height], at).into_flattened();
+        let at = |x, y| light.pixel(x as u32, y as u32).map(f64::from);
+        let [from, to] = [[light.width, light.height], [width, height]].map(|size| size.map(|side| side as usize));
+        let data = resampled(from, to, shares, at).into_flattened();
         LinearImage { width, height, data: data.into_iter().map(|light| light as f32).collect() }
     }
 }

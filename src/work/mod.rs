@@ -9,7 +9,6 @@ mod analyze;
 pub mod calibrate;
 mod check;
 pub mod compare;
-mod drawn;
 mod export;
 mod findings;
 mod image;
@@ -26,8 +25,7 @@ pub mod verify;
 
 pub use analyze::{Analyze, Model, Ratings, check_order, explained};
 pub use check::Check;
-pub use drawn::Drawn;
 pub use export::Export;
-pub use image::{Encoded, Encoding, Image, Luminances, outdated, today};
+pub use image::{Drawn, Encoded, Encoding, Image, Luminances, outdated, today};
 pub use repair::Repair;
 pub use request::{FittedPath, Found, NewFolder, OutPath, Request, RequestError, Watcher, from_names, told, words};

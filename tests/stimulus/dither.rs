@@ -6,8 +6,7 @@ use std::collections::BTreeSet;
 
 use machband::light::{
     Bits, CodeImage, Dither, DitherMatrix, LinearImage, Quantizer, Samples, Thresholds, Transfer, Transfers,
-    dither::MASK_SIZE,
-    halftone::{Screen, enlarged},
+    dither::{MASK_SIZE, Screen, enlarged},
     palette::{IndexedImage, Reducer, Reduction},
 };
 
@@ -177,7 +176,11 @@ fn every_level_has_its_cell() {
         for (x, y) in (0..dots.width).flat_map(|x| (0..n).map(move |y| (x, y))) {
             let (level, rank) = (x / n, u32::from(matrix.rank(x, y)));
             let code = level / (n * n) + u32::from(rank < level % (n * n));
-            assert_eq!(dots.pixel(x, y), [(f64::from(code) * 255.0 / f64::from(max)).round() as u16; 3], "{screen} {level}");
+            assert_eq!(
+                dots.pixel(x, y),
+                [(f64::from(code) * 255.0 / f64::from(max)).round() as u16; 3],
+                "{screen} {level}"
+            );
         }
     }
     for text in ["clustered2:0", "bayer2:9", "bayer3:1", "clustered3", "clustered3:"] {

@@ -27,6 +27,7 @@ fn recipe(kind: &str) -> Recipe {
         dither: Dither::None,
         seed: 1,
         display_sha256: None,
+        finish: None,
     }
 }
 
