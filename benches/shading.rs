@@ -63,7 +63,7 @@ fn pool(threads: usize) -> rayon::ThreadPool {
 #[divan::bench(args = cases(), sample_count = 40, sample_size = 1)]
 fn codes(bencher: Bencher<'_, '_>, case: Case) {
     let (frame, shade) = (grid(28, 28), Shade::new(case.shader));
-    let (quantizer, pool) = (Quantizer::new(Transfer::Srgb, Bits::Eight), pool(case.threads));
+    let (quantizer, pool) = (Quantizer::new(&Transfer::Srgb.into(), Bits::Eight), pool(case.threads));
     bencher
         .counter(ItemsCount::new(SIZE as usize * SIZE as usize))
         .bench_local(|| pool.install(|| quantizer.quantize(&image(black_box(&frame), &shade))));

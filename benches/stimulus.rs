@@ -16,7 +16,7 @@ fn main() {
 }
 
 fn quantizer() -> Quantizer {
-    Quantizer::new(&Transfer::Srgb, Bits::Eight)
+    Quantizer::new(&Transfer::Srgb.into(), Bits::Eight)
 }
 
 /// The stimulus of the target, at several orientations.
@@ -100,6 +100,6 @@ mod reference {
 
     #[divan::bench(args = [Bits::Eight, Bits::Sixteen])]
     fn new_quantizer(bencher: Bencher<'_, '_>, bits: Bits) {
-        bencher.bench(|| Quantizer::new(black_box(&Transfer::Srgb), bits));
+        bencher.bench(|| Quantizer::new(black_box(&Transfer::Srgb.into()), bits));
     }
 }

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _machband
-from ._common import options, path, suggests, unmasked
+from ._common import Fields, options, path, suggests, unmasked
 from ._stimulus import Kind, Transfer, _named
 
 if TYPE_CHECKING:
@@ -186,14 +186,9 @@ def compare(
     0.0
     """
     request = options(compare, locals())
-    given = None
-    if isinstance(picture, (str, PathLike)) and isinstance(reference, (str, PathLike)):
-        request |= {"picture": path("picture", picture), "reference": path("reference", reference)}
-    else:
-        request |= {"picture": "picture", "reference": "reference"}
-        given = (_pixels("picture", picture), _pixels("reference", reference))
-        if "transfer" in request and given[0].dtype.kind == given[1].dtype.kind == "f":
-            raise _machband.Error("transfer is for codes, and floats are light; expected uint8 or uint16, or no transfer")
+    given = _given(request, picture=picture, reference=reference)
+    if given and "transfer" in request and all(one.dtype.kind == "f" for one in given):
+        raise _machband.Error("transfer is for codes, and floats are light; expected uint8 or uint16, or no transfer")
     found, map = _machband.compare(request, given)
     return _made(Comparison, found, map=map)
 
@@ -250,14 +245,11 @@ def steps(
     >>> found.steps > 0
     True
     """
-    request = {**options(steps, locals()), "steps": True, "picture": "picture"}
-    if isinstance(picture, (str, PathLike)):
-        found, dithered = _machband.steps({**request, "picture": path("picture", picture)}, None)
-        return _made(Steps, found, picture=dithered)
-    pixels = _pixels("picture", picture)
-    if pixels.dtype.kind == "f":
+    request = {**options(steps, locals()), "steps": True}
+    given = _given(request, picture=picture)
+    if given and given[0].dtype.kind == "f":
         raise _machband.Error("picture is light, which has no codes; expected codes as uint8 or uint16")
-    found, dithered = _machband.steps(request, pixels)
+    found, dithered = _machband.compare(request, given)
     return _made(Steps, found, picture=dithered)
 
 
@@ -268,6 +260,15 @@ def _made(of: Callable[..., T], found: str, **more: Any) -> T:
     """Return a record with the values of the same names in the JSON of the command, and with more."""
     values = {**json.loads(found, object_hook=lambda one: Place(**one) if "x" in one else one), **more}
     return of(**{name: values[name] for name in inspect.signature(of).parameters})
+
+
+def _given(request: Fields, **pictures: Any) -> list[npt.NDArray[Any]]:
+    """Return pictures as arrays, or, if all of them are paths, no arrays; add their names or paths to a request."""
+    if all(isinstance(one, (str, PathLike)) for one in pictures.values()):
+        request |= {name: path(name, one) for name, one in pictures.items()}
+        return []
+    request |= {name: name for name in pictures}
+    return [_pixels(name, one) for name, one in pictures.items()]
 
 
 def _pixels(name: str, given: Any) -> npt.NDArray[Any]:

@@ -95,7 +95,7 @@ mod _machband {
         },
         main,
         study::{Analysis, analyze, export, read_results, verify, write_analysis},
-        vision::{compare, predict, steps},
+        vision::{compare, predict},
     };
 
     /// Loads NumPy now, so that nothing can interrupt it later.

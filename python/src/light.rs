@@ -1,11 +1,11 @@
 //! Stimuli and shaded meshes as arrays, and the functions that turn light into codes.
 
-use std::{convert::Infallible, path::PathBuf};
+use std::path::PathBuf;
 
 use glam::DVec3;
 use machband::{
     display::{Screen, Viewing},
-    light::{CodeImage, Depth, Interpolation, LinearImage, Quantizer, Samples, Transfer},
+    light::{CodeImage, Depth, LinearImage, Quantizer, Samples, TANH_K, Transfer},
     stimulus::{ParameterValue, Stimulus, catalog, recipe::Recipe},
     store::{
         self, Writer,
@@ -29,9 +29,11 @@ pub type Given = Vec<(String, String)>;
 
 /// Makes a stimulus from its kind and its parameters.
 pub fn stimulus_of(kind: &str, given: Given) -> PyResult<Stimulus> {
-    let value = |text: &String| text.parse().unwrap_or_else(|never: Infallible| match never {});
-    Stimulus::with_parameters(kind, given.iter().map(|(name, text)| (name.as_str(), value(text))))
-        .map_err(|errors| error(errors.join("\n")))
+    let given = given.iter().map(|(name, text)| (name.as_str(), text.as_str()));
+    Stimulus::with_parameters(kind, given).map_err(|errors| {
+        let errors: Vec<String> = errors.iter().map(ToString::to_string).collect();
+        error(errors.join("\n"))
+    })
 }
 
 /// Returns codes as an array of shape (height, width, 3), without a copy.
@@ -138,8 +140,8 @@ fn map<'py>(
 /// Returns I_n of every element.
 #[pyfunction]
 pub fn interpolate<'py>(py: Python<'py>, u: Numbers<'py>, depth: &str) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-    let interpolation = Interpolation::new(depth.parse::<Depth>().map_err(error)?);
-    map(py, &u, |u| if u.is_nan() { u } else { interpolation.value(u) })
+    let depth: Depth = depth.parse().map_err(error)?;
+    map(py, &u, |u| if u.is_nan() { u } else { depth.interpolation(u, TANH_K) })
 }
 
 /// Encodes light, or decodes encoded values. If the channels of the display differ, each row has red, green and blue.

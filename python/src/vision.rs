@@ -12,7 +12,8 @@ use numpy::{IntoPyArray as _, PyArrayMethods as _, PyReadonlyArray3, PyUntypedAr
 use pyo3::prelude::*;
 
 use crate::{
-    Fields, error, job,
+    Fields, error,
+    job::{self, Job},
     light::{Given, codes_array, stimulus_of},
     request,
 };
@@ -58,33 +59,23 @@ pub fn predict(py: Python<'_>, fields: Fields, kind: &str, parameters: Given) ->
     Ok((ramp, found.detection, difference, found.rating))
 }
 
-/// Compares two pictures in memory, or otherwise the two files that the fields name. Returns the JSON of the command, and
-/// the map.
+/// Compares two pictures in memory, or otherwise the two files that the fields name, and returns the JSON of the command and
+/// the map. If the fields ask for the steps of a picture, judges these, and returns the JSON and the dithered picture.
 #[pyfunction]
-pub fn compare<'py>(
-    py: Python<'py>,
-    fields: Fields,
-    given: Option<(Shown<'py>, Shown<'py>)>,
-) -> PyResult<(String, Bound<'py, PyAny>)> {
+pub fn compare<'py>(py: Python<'py>, fields: Fields, given: Vec<Shown<'py>>) -> PyResult<(String, Bound<'py, PyAny>)> {
     let request = request::<Compare>(fields)?;
-    let given = given.map(|(a, b)| PyResult::Ok([a.picture()?, b.picture()?])).transpose()?;
-    let mut found = job::run(py, None, false, move |job| request.pair(given, job))?;
+    let mut given = given.into_iter().map(Shown::picture).collect::<PyResult<Vec<_>>>()?;
+    if request.steps {
+        let codes = given.pop().and_then(|it| if let Picture::Codes(codes) = it { Some(codes) } else { None });
+        let found = job::run(py, None, false, move |job| request.steps(codes, job))?;
+        job::warn(py, found.note().as_slice())?;
+        return Ok((serde_json::to_string(&found).map_err(error)?, codes_array(py, found.picture_dithered)?));
+    }
+    let given: Option<[Picture; 2]> = given.try_into().ok();
+    let work = move |job: &Job| request.pair(given, job).map(|found| (found.map.enlarged(), found));
+    let (map, found) = job::run(py, None, false, work)?;
     job::warn(py, found.note().as_slice())?;
-    let [width, height] = found.size;
-    let map = std::mem::take(&mut found.map).into_pyarray(py).reshape([height, width])?;
+    let [width, height] = found.map.size;
+    let map = map.into_pyarray(py).reshape([height, width])?;
     Ok((serde_json::to_string(&found).map_err(error)?, map.into_any()))
-}
-
-/// Judges the steps between the codes of a picture in memory, or otherwise of the file that the fields name. Returns the
-/// JSON of the command, and the dithered picture.
-#[pyfunction]
-pub fn steps<'py>(py: Python<'py>, fields: Fields, given: Option<Shown<'py>>) -> PyResult<(String, Bound<'py, PyAny>)> {
-    let request = request::<Compare>(fields)?;
-    let given = match given.map(Shown::picture).transpose()? {
-        Some(Picture::Codes(codes)) => Some(codes),
-        _ => None,
-    };
-    let found = job::run(py, None, false, move |job| request.steps(given, job))?;
-    job::warn(py, found.note().as_slice())?;
-    Ok((serde_json::to_string(&found).map_err(error)?, codes_array(py, found.picture_dithered)?))
 }

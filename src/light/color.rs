@@ -135,37 +135,30 @@ pub fn hsv_from_rgb(rgb: [f64; 3]) -> [f64; 3] {
 #[inline]
 pub fn rgb_from_hsv([hue, saturation, value]: [f64; 3]) -> [f64; 3] {
     let sixth = wrapped_deg(hue) / 60.0;
-    let (sector, part) = (sixth.floor(), sixth - sixth.floor());
+    let part = sixth - sixth.floor();
+    let least = value * (1.0 - saturation);
     let falling = value * (1.0 - saturation * part);
     let rising = value * (1.0 - saturation * (1.0 - part));
-    arranged(sector, value, value * (1.0 - saturation), rising, falling)
-}
-
-/// Returns red, green and blue in a sector (0…5) of the hexagon.
-#[inline]
-fn arranged(sector: f64, max: f64, min: f64, rising: f64, falling: f64) -> [f64; 3] {
-    // `sector` is a whole number below 6.
-    match sector as u8 {
-        0 => [max, rising, min],
-        1 => [falling, max, min],
-        2 => [min, max, rising],
-        3 => [min, falling, max],
-        4 => [rising, min, max],
-        _ => [max, min, falling],
+    // A whole number below 6.
+    match sixth as u8 {
+        0 => [value, rising, least],
+        1 => [falling, value, least],
+        2 => [least, value, rising],
+        3 => [least, falling, value],
+        4 => [rising, least, value],
+        _ => [value, least, falling],
     }
 }
 
 /// Hue, lightness and saturation: two six-sided pyramids base to base, with black and white at the tips. L = (max +
 /// min)/2, S = (max − min)/(max + min) in the lower half and (max − min)/(2 − max − min) in the upper half. Shoaff
 /// §2.2.7, corrected: the code printed there divides by (2 − max + min), so saturated colors in the upper half never
-/// reach S = 1. Converted as by Foley, van Dam, Feiner and Hughes 1990, fig. 13.37; accepts any angle as a hue.
+/// reach S = 1. Accepts any angle as a hue.
 pub fn rgb_from_hls([hue, lightness, saturation]: [f64; 3]) -> [f64; 3] {
-    let sixth = wrapped_deg(hue) / 60.0;
-    let (sector, part) = (sixth.floor(), sixth - sixth.floor());
     // Half the difference between the largest and the smallest channel.
     let half = saturation * lightness.min(1.0 - lightness);
-    let (max, min) = (lightness + half, lightness - half);
-    arranged(sector, max, min, min + (max - min) * part, max - (max - min) * part)
+    let max = lightness + half;
+    rgb_from_hsv([hue, if max > 0.0 { 2.0 * half / max } else { 0.0 }, max])
 }
 
 /// Cyan, magenta and yellow, 1 − RGB: ideal inks, each absorbing one of the three primaries. This function is its own

@@ -118,36 +118,41 @@ fn sample_index(width: u32, height: u32, x: u32, y: u32) -> usize {
 
 /// Returns the pixels of a row of `from` pixels, with their shares, that make up pixel `at` of a row of `to` pixels: the mean
 /// of the area that it covers, or, if there are fewer, an interpolation between the centers of two.
-fn shares(at: u32, to: u32, from: u32) -> Vec<(u32, f64)> {
-    let scale = f64::from(from) / f64::from(to);
+pub fn shares(at: usize, to: usize, from: usize) -> Vec<(usize, f64)> {
+    let scale = from as f64 / to as f64;
     // A triangle as wide as two pixels of the coarser row.
-    let (center, reach) = ((f64::from(at) + 0.5) * scale - 0.5, scale.max(1.0));
+    let (center, reach) = ((at as f64 + 0.5) * scale - 0.5, scale.max(1.0));
     let range = (center - reach).floor() as i64..=(center + reach).ceil() as i64;
     let weight = |pixel: i64| {
         let weight = 1.0 - (pixel as f64 - center).abs() / reach;
-        (weight > 0.0).then_some((pixel.clamp(0, i64::from(from) - 1) as u32, weight))
+        (weight > 0.0).then_some((pixel.clamp(0, from as i64 - 1) as usize, weight))
     };
-    let all: Vec<(u32, f64)> = range.filter_map(weight).collect();
+    let all: Vec<(usize, f64)> = range.filter_map(weight).collect();
     let sum: f64 = all.iter().map(|(_, weight)| weight).sum();
     all.into_iter().map(|(pixel, weight)| (pixel, weight / sum)).collect()
 }
 
-/// Resizes a picture with `N` numbers at each pixel from one size `[across, down]` to another: every pixel is the mean of the
-/// area that it covers; a picture that grows is interpolated between the centers of its pixels.
-pub fn resized<const N: usize>(
-    from: [u32; 2],
-    to: [u32; 2],
-    at: impl Fn(u32, u32) -> [f64; N] + Sync,
+/// Resamples a picture with `N` numbers at each pixel from one size `[across, down]` to another. `shares` is called for each
+/// pixel of a row or a column, as [`shares`] is.
+pub fn resampled<const N: usize>(
+    from: [usize; 2],
+    to: [usize; 2],
+    shares: impl Fn(usize, usize, usize) -> Vec<(usize, f64)>,
+    at: impl Fn(usize, usize) -> [f64; N] + Sync,
 ) -> Vec<[f64; N]> {
     let [columns, rows] = [0, 1].map(|axis| (0..to[axis]).map(|i| shares(i, to[axis], from[axis])).collect::<Vec<_>>());
-    let of_row = |down: &Vec<(u32, f64)>| -> Vec<[f64; N]> {
+    let add = |sum: &mut [f64; N], by: f64, value: [f64; N]| {
+        sum.iter_mut().zip(value).for_each(|(sum, value)| *sum += by * value);
+    };
+    let of_row = |down: &Vec<(usize, f64)>| -> Vec<[f64; N]> {
         checkpoint();
-        let pixel = |across: &Vec<(u32, f64)>| {
+        let mut sums = vec![[0.0; N]; from[0]];
+        for (row, by) in down {
+            sums.iter_mut().enumerate().for_each(|(column, sum)| add(sum, *by, at(column, *row)));
+        }
+        let pixel = |across: &Vec<(usize, f64)>| {
             let mut sum = [0.0; N];
-            for ((row, by), (column, bx)) in down.iter().flat_map(|row| across.iter().map(move |column| (row, column)))
-            {
-                sum.iter_mut().zip(at(*column, *row)).for_each(|(sum, value)| *sum += by * bx * value);
-            }
+            across.iter().for_each(|(column, by)| add(&mut sum, *by, sums[*column]));
             sum
         };
         columns.iter().map(pixel).collect()

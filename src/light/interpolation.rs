@@ -21,8 +21,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 /// Commands and files write it as `1` … `32` or `inf`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Depth {
-    /// A polynomial of degree 2n − 1, n from 1 (linear) to [`Depth::MAX_FINITE`]. Made by
-    /// [`Depth::finite`].
+    /// A polynomial of degree 2n − 1, n from 1 (linear) to [`Depth::MAX_FINITE`].
     Finite(u8),
     /// Bangay's n = ∞, a scaled tanh. It is not the limit of the finite depths, which is a step.
     Infinite,
@@ -31,17 +30,6 @@ pub enum Depth {
 impl Depth {
     /// The largest finite depth that is evaluated to within 1e-12.
     pub const MAX_FINITE: u8 = 32;
-
-    /// Makes the finite depth `n`.
-    ///
-    /// # Errors
-    /// Returns an error if `n` is not within 1…32.
-    pub fn finite(n: u32) -> Result<Depth, DepthError> {
-        match u8::try_from(n) {
-            Ok(n @ 1..=Depth::MAX_FINITE) => Ok(Depth::Finite(n)),
-            _ => Err(DepthError { depth: n.to_string(), problem: "is outside 1…32" }),
-        }
-    }
 }
 
 /// The error for a value that is not a [`Depth`].
@@ -67,14 +55,11 @@ impl FromStr for Depth {
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let text = text.trim();
-        if text == "inf" {
-            return Ok(Depth::Infinite);
-        }
-        // What is out of range stays so.
-        let n = text.parse::<i128>().map(|n| u32::try_from(n).unwrap_or(u32::MAX));
-        match n.map(Depth::finite) {
-            Ok(found) => found.map_err(|error| DepthError { depth: text.to_owned(), ..error }),
-            Err(_) => Err(DepthError { depth: format!("{text:?}"), problem: "is not a whole number" }),
+        match (text, text.parse::<i128>()) {
+            ("inf", _) => Ok(Depth::Infinite),
+            (_, Ok(n)) if (1..=Self::MAX_FINITE.into()).contains(&n) => Ok(Depth::Finite(n as u8)),
+            (_, Ok(_)) => Err(DepthError { depth: text.to_owned(), problem: "is outside 1…32" }),
+            _ => Err(DepthError { depth: format!("{text:?}"), problem: "is not a whole number" }),
         }
     }
 }
@@ -114,47 +99,21 @@ impl<'de> Deserialize<'de> for Depth {
 /// text says.
 pub const TANH_K: f64 = 5.0;
 
-/// I_n for one depth, prepared for repeated evaluation.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Interpolation {
-    /// Of a finite depth n.
-    Polynomial(u8),
-    /// Of the infinite depth: a scaled tanh of this steepness.
-    Tanh {
-        /// The steepness, above 0.
-        k: f64,
-    },
-}
-
-impl Interpolation {
-    /// Uses k = [`TANH_K`] if `depth` is infinite. A finite depth outside 1…32, which [`Depth::finite`] never makes, is
-    /// clamped to that range.
-    pub fn new(depth: Depth) -> Self {
-        Self::with_k(depth, TANH_K)
-    }
-
-    /// Uses the steepness `k` (> 0) if `depth` is infinite; a finite depth ignores `k`.
-    pub fn with_k(depth: Depth, k: f64) -> Self {
-        match depth {
-            Depth::Infinite => Self::Tanh { k },
-            Depth::Finite(n) => Self::Polynomial(n.clamp(1, Depth::MAX_FINITE)),
-        }
-    }
-
+impl Depth {
     /// Returns I_n at `u`, the position across the ramp: 0 for u < 0 (the lower plateau), 1 for u ≥ 1 (the upper
     /// plateau). The value is within 1e-12 of exact for every depth, and I_n(u) + I_n(1−u) = 1 in between.
     ///
-    /// The infinite depth jumps at both ends, from 0 to 1/(1+e^k) at u = 0 and back to 1 at u = 1;
-    /// see [`TANH_K`].
+    /// The infinite depth has the steepness `k` (> 0), by default [`TANH_K`], which a finite one ignores. It jumps at both
+    /// ends, from 0 to 1/(1+e^k) at u = 0 and back to 1 at u = 1.
     #[inline]
-    pub fn value(&self, u: f64) -> f64 {
+    pub fn interpolation(self, u: f64, k: f64) -> f64 {
         if u >= 1.0 {
             1.0
         } else if u > 0.5 {
             // 1 − u is exact here, so using the symmetry costs no precision.
-            1.0 - self.lower_half(1.0 - u)
+            1.0 - self.lower_half(1.0 - u, k)
         } else if u >= 0.0 {
-            self.lower_half(u)
+            self.lower_half(u, k)
         } else {
             0.0
         }
@@ -162,19 +121,19 @@ impl Interpolation {
 
     /// I_n on 0…½.
     #[inline]
-    fn lower_half(&self, u: f64) -> f64 {
+    fn lower_half(self, u: f64, k: f64) -> f64 {
         match self {
-            Self::Polynomial(n) => {
+            Self::Finite(n) => {
                 let (mut term, mut sum) = (1.0, 1.0);
                 // C(n−1+k, k)·(1−u)^k from the term before it.
-                for k in 1..*n {
+                for k in 1..n {
                     term *= (1.0 - u) * (f64::from(n - 1 + k) / f64::from(k));
                     sum += term;
                 }
-                power(u, usize::from(*n)) * sum
+                power(u, usize::from(n)) * sum
             }
             // (1 + tanh(k(u−½)))/2, in a form that does not cancel below u = ½.
-            Self::Tanh { k } => 1.0 / (1.0 + (2.0 * k * (0.5 - u)).exp()),
+            Self::Infinite => 1.0 / (1.0 + (2.0 * k * (0.5 - u)).exp()),
         }
     }
 }

@@ -5,12 +5,11 @@
 //!
 //! Values called *linear* are relative luminances: proportional to physical light, from 0 (none) to 1 (the display's
 //! maximum). Values called *encoded* are the signals that drive a display, 0…1, before rounding. *Codes* are the
-//! rounded integers. Only [`quantize`] converts light to a display's codes; [`halftone`] does so for devices with few
+//! rounded integers. Only [`quantize`] converts light to a display's codes; [`dither`] does so for devices with few
 //! codes.
 
 pub mod color;
 pub mod dither;
-pub mod halftone;
 pub mod image;
 pub mod interpolation;
 pub mod palette;
@@ -18,8 +17,7 @@ pub mod quantize;
 pub mod transfer;
 
 pub use dither::{Dither, DitherMatrix, DitherMatrixError, Thresholds};
-pub use halftone::Halftone;
 pub use image::{CodeImage, Levels, LinearImage, Samples, reaches};
-pub use interpolation::{Depth, DepthError, Interpolation};
+pub use interpolation::{Depth, DepthError, TANH_K};
 pub use quantize::{Bits, ChannelQuantizer, Quantizer};
 pub use transfer::{Gog, Transfer, TransferTable, Transfers};

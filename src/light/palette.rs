@@ -14,7 +14,7 @@ use std::str::FromStr;
 use super::image::CodeImage;
 use super::quantize::{Bits, Quantizer};
 use super::transfer::Transfers;
-use crate::text::names::{named, with_number};
+use crate::text::names::{named, serde_as_text, with_number};
 
 /// The most colors that an 8-bit index can address.
 const MAX_COLORS: u32 = 256;
@@ -81,6 +81,8 @@ impl FromStr for Reduction {
     }
 }
 
+serde_as_text!(Reduction);
+
 /// Reduces `image`, meant for a display that `transfers` describes, to at most the number of colors that `reduction`
 /// specifies. Numbers outside 1…256, which no valid text contains, are clamped to that range.
 ///
@@ -88,11 +90,7 @@ impl FromStr for Reduction {
 ///
 /// # Errors
 /// Returns an error if the image has 16 bits.
-pub fn reduce(
-    image: &CodeImage,
-    transfers: impl Into<Transfers>,
-    reduction: Reduction,
-) -> Result<IndexedImage, &'static str> {
+pub fn reduce(image: &CodeImage, transfers: &Transfers, reduction: Reduction) -> Result<IndexedImage, &'static str> {
     let colors = reduction.colors.clamp(1, MAX_COLORS) as usize;
     let pixels = image
         .bytes()

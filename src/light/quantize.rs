@@ -64,8 +64,7 @@ impl ChannelQuantizer {
         let bucket_codes = (0..=1f32.to_bits() >> BUCKET_SHIFT)
             .map(|bucket| reference_code(transfer, bits, f32::from_bits(bucket << BUCKET_SHIFT)))
             .collect();
-        let levels = (0..=max).map(|code| transfer.linear_from_encoded(f64::from(code) / f64::from(max)));
-        Self { transfer: transfer.clone(), bits, thresholds, bucket_codes, levels: Levels::new(levels) }
+        Self { transfer: transfer.clone(), bits, thresholds, bucket_codes, levels: Levels::new(transfer, max) }
     }
 
     /// Returns the code nearest, in encoded space, to the relative luminance `linear`: 0 for values below 0 and for
@@ -115,8 +114,7 @@ pub struct Quantizer {
 impl Quantizer {
     /// Makes a quantizer for a display that `transfers` describes. This takes about 0.1 ms for 8 bits and 7 ms for 16
     /// bits, and three times as long if the channels differ, so reuse the quantizer.
-    pub fn new(transfers: impl Into<Transfers>, bits: Bits) -> Self {
-        let transfers = transfers.into();
+    pub fn new(transfers: &Transfers, bits: Bits) -> Self {
         let made = |transfer: &Transfer| Arc::new(ChannelQuantizer::new(transfer, bits));
         let channels = match transfers.uniform() {
             Some(all) => {

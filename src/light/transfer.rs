@@ -252,11 +252,6 @@ impl Transfers {
         self.0.iter().any(|transfer| matches!(transfer, Transfer::Table(_)))
     }
 
-    /// Returns [`Transfer::encoded_from_linear`] for each channel.
-    pub fn encoded_from_linear(&self, linear: [f64; 3]) -> [f64; 3] {
-        std::array::from_fn(|channel| self.0[channel].encoded_from_linear(linear[channel]))
-    }
-
     /// Returns [`Transfer::linear_from_encoded`] for each channel.
     pub fn linear_from_encoded(&self, encoded: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|channel| self.0[channel].linear_from_encoded(encoded[channel]))
@@ -266,18 +261,6 @@ impl Transfers {
 impl From<Transfer> for Transfers {
     fn from(transfer: Transfer) -> Self {
         Self([transfer.clone(), transfer.clone(), transfer])
-    }
-}
-
-impl From<&Transfer> for Transfers {
-    fn from(transfer: &Transfer) -> Self {
-        transfer.clone().into()
-    }
-}
-
-impl From<&Transfers> for Transfers {
-    fn from(transfers: &Transfers) -> Self {
-        transfers.clone()
     }
 }
 

@@ -155,23 +155,23 @@ impl Stimulus {
         }
     }
 
-    /// Makes a stimulus of the kind `kind` from some of its parameters; the others have their defaults.
+    /// Makes a stimulus of the kind `kind` from the texts of some of its parameters; the others have their defaults.
     ///
     /// # Errors
-    /// Returns a message for every error: a kind that is not known, parameters that the kind does not have, and invalid
-    /// values.
+    /// Returns every error: a kind that is not known, parameters that the kind does not have, and invalid values.
     pub fn with_parameters<'a>(
         kind: &str,
-        given: impl IntoIterator<Item = (&'a str, ParameterValue)>,
-    ) -> Result<Stimulus, Vec<String>> {
-        let mut stimulus = Stimulus::default_of(kind)
-            .ok_or_else(|| vec![format!("kind {kind:?} is not known; {}", expected_one_of(kind, KINDS))])?;
-        let given = given.into_iter();
-        let mut errors: Vec<_> = given.filter_map(|(name, value)| stimulus.set(name, &value).err()).collect();
+        given: impl IntoIterator<Item = (&'a str, &'a str)>,
+    ) -> Result<Stimulus, Vec<ParameterError>> {
+        let unknown =
+            || ParameterError::new("kind", format!("{kind:?}"), "is not known", &expected_one_of(kind, KINDS));
+        let mut stimulus = Stimulus::default_of(kind).ok_or_else(|| vec![unknown()])?;
+        let set =
+            |(name, text): (&str, &'a str)| stimulus.set(name, &text.parse().unwrap_or_else(|e| match e {})).err();
+        let mut errors: Vec<ParameterError> = given.into_iter().filter_map(set).collect();
         if errors.is_empty() {
             errors.extend(stimulus.validate().err().into_iter().flatten());
         }
-        let errors: Vec<String> = errors.iter().map(ToString::to_string).collect();
         if errors.is_empty() { Ok(stimulus) } else { Err(errors) }
     }
 

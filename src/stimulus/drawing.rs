@@ -1,7 +1,7 @@
 //! How stimuli are drawn. Most vary in one direction only: their profile gives the light of every pixel, and its code.
 //!
-//! An edge that runs along the pixels is perfectly sharp. An oblique edge that a profile lists in `jumps` is
-//! anti-aliased in linear light: each pixel mixes both sides in proportion to its area on each side. A Mach band lists
+//! An edge that runs along the pixels is perfectly sharp. An oblique edge for which a profile states the height of a jump is
+//! anti-aliased in linear light: each pixel mixes both sides in proportion to its area on each side. A Mach band states
 //! none: its step, the limit of narrow ramps, stays as sharp as the pixels at every orientation.
 
 use std::f64::consts::FRAC_1_SQRT_2;
@@ -31,20 +31,10 @@ pub(super) trait Profile: Sync {
     /// Returns the light at `x`; `added` is added to the luminance. At a jump, this is the value on the far side.
     fn light(&self, x: f64, added: f64) -> [f64; 3];
 
-    /// Returns the positions where the luminance jumps, and the height of each jump.
-    fn jumps(&self) -> Vec<(f64, f64)> {
-        Vec::new()
-    }
-
     /// Returns, in any order, the positions where a channel may turn from rising to falling or vice versa, or where the
-    /// light may jump. Between neighboring positions, every channel is monotonic and continuous.
-    fn turning_points(&self) -> Vec<f64>;
-
-    /// Returns whether the turning points are known. If they are not, as in the colors between two hues, every pixel is
-    /// computed.
-    fn is_plain(&self) -> bool {
-        true
-    }
+    /// luminance jumps, each with the height of the jump. Between neighboring positions, every channel is monotonic and
+    /// continuous. `None` if they are not known, as in the colors between two hues: every pixel is then computed.
+    fn turns(&self) -> Option<Vec<(f64, f64)>>;
 }
 
 /// Computes the light of a window that varies along its orientation, one pixel at a time. This defines the result;
@@ -59,8 +49,8 @@ struct Pixels<'a> {
 impl<'a> Pixels<'a> {
     fn new(profile: &'a dyn Profile, orientation_deg: f64, size: u32) -> Self {
         let grid = Grid::new(size, orientation_deg);
-        let jumps = if grid.is_along_pixels() { Vec::new() } else { profile.jumps() };
-        Self { profile, grid, jumps }
+        let jumps = profile.turns().into_iter().flatten().filter(|(_, height)| *height != 0.0);
+        Self { profile, grid, jumps: if grid.is_along_pixels() { Vec::new() } else { jumps.collect() } }
     }
 
     fn light(&self, ix: u32, iy: u32) -> [f32; 3] {
@@ -90,7 +80,7 @@ impl<P: Profile> Area for Line<P> {
     }
 
     fn codes(&self, size: u32, quantizer: &Quantizer) -> CodeImage {
-        if quantizer.bits() != Bits::Eight || !self.1.is_plain() {
+        if quantizer.bits() != Bits::Eight || self.1.turns().is_none() {
             return quantizer.quantize(&self.linear(size));
         }
         CodeImage { width: size, height: size, samples: Samples::Eight(codes(&self.1, self.0, size, quantizer)) }
@@ -164,12 +154,12 @@ impl Pixels<'_> {
         let mixed = |turn: f64| self.jumps.iter().any(|(at, _)| *at == turn);
         let near = |turn: f64| if mixed(turn) { ERROR_X + half_extent(grid) / side } else { ERROR_X };
         // No pixel is farther than 1 window side from the center line.
-        let mut turning_points: Vec<(f64, f64)> =
-            self.profile.turning_points().into_iter().map(|at| (at, near(at))).collect();
-        turning_points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        for i in 0..=turning_points.len() {
-            let from = turning_points[..i].iter().map(|(at, near)| at + near).fold(-1.0, f64::max);
-            let to = turning_points[i..].iter().map(|(at, near)| at - near).fold(1.0, f64::min);
+        let mut turns: Vec<(f64, f64)> =
+            self.profile.turns().into_iter().flatten().map(|(at, _)| (at, near(at))).collect();
+        turns.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for i in 0..=turns.len() {
+            let from = turns[..i].iter().map(|(at, near)| at + near).fold(-1.0, f64::max);
+            let to = turns[i..].iter().map(|(at, near)| at - near).fold(1.0, f64::min);
             if from < to {
                 self.between([from, to], [from, to].map(|x| self.profile.light(x, 0.0)), quantizer, &mut found);
             }
@@ -306,6 +296,6 @@ impl Grid {
 }
 
 /// Returns the position of the center of pixel `i` in a row of `size` pixels, in window sides from the window's center.
-pub fn place(i: u32, size: u32) -> f64 {
+pub(super) fn place(i: u32, size: u32) -> f64 {
     (2.0 * f64::from(i) + 1.0 - f64::from(size)) / (2.0 * f64::from(size))
 }

@@ -8,9 +8,8 @@ use super::{
 };
 use crate::{
     light::{
-        Depth, Interpolation,
+        Depth, TANH_K,
         color::{hsv_from_rgb, hue, lab_from_xyz, rgb_from_hsv, rgb_from_xyz, wrapped_deg, xyz_from_lab, xyz_from_rgb},
-        interpolation::TANH_K,
     },
     text::names::named,
 };
@@ -104,8 +103,7 @@ impl MachBand {
         // In any space, a catch trial must be uniform to the last bit.
         let is_one_color = self.color == color_high && (self.space != RampSpace::Lab || self.low == self.high);
         let color_ramp = || ColorRamp::new(self.color, self.low, color_high, self.high, self.space);
-        let interpolation = Interpolation::with_k(self.depth, self.tanh_k);
-        Ramp { band: self, interpolation, color_ramp: (!is_one_color).then(color_ramp) }
+        Ramp { band: self, color_ramp: (!is_one_color).then(color_ramp) }
     }
 }
 
@@ -113,7 +111,6 @@ impl MachBand {
 #[derive(Clone, Copy, Debug)]
 pub struct Ramp<'a> {
     band: &'a MachBand,
-    interpolation: Interpolation,
     /// `None` if the ramp is just one color at varying luminance.
     color_ramp: Option<ColorRamp>,
 }
@@ -146,7 +143,7 @@ impl Ramp<'_> {
         // here.
         let at = |x: f64| if x == 0.0 { 0.5 } else { x / self.band.width + 0.5 };
         let ramp = match self.band.rounding {
-            0.0 => self.interpolation.value(at(x)),
+            0.0 => self.band.depth.interpolation(at(x), self.band.tanh_k),
             _ if self.band.width == 0.0 => (x / self.band.rounding + 0.5).clamp(0.0, 1.0),
             rounding => {
                 let share = rounding / self.band.width;
@@ -225,12 +222,9 @@ impl Profile for Ramp<'_> {
         self.light_at(x)
     }
 
-    fn turning_points(&self) -> Vec<f64> {
-        vec![-0.5 * self.band.width, 0.5 * self.band.width]
-    }
-
-    fn is_plain(&self) -> bool {
+    fn turns(&self) -> Option<Vec<(f64, f64)>> {
         let is_straight = self.color_ramp.is_none_or(|color_ramp| color_ramp.space == RampSpace::Rgb);
-        is_straight && self.band.rounding == 0.0 && self.band.nulling == 0.0
+        let is_known = is_straight && self.band.rounding == 0.0 && self.band.nulling == 0.0;
+        is_known.then(|| vec![(-0.5 * self.band.width, 0.0), (0.5 * self.band.width, 0.0)])
     }
 }

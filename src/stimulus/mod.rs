@@ -17,7 +17,6 @@ mod viewing;
 
 pub use catalog::{KINDS, Stimulus, is_direction};
 pub use color::{ColorError, StimulusColor};
-pub use drawing::place;
 pub use figures::{Kanizsa, Vasarely};
 pub use mach_band::{MachBand, Ramp, RampSpace, RampSpaceError};
 pub use parameter::{Parameter, ParameterError, ParameterValue};

@@ -9,7 +9,10 @@ use super::{
     parameter::{Parameter, ParameterError, ParameterValue},
 };
 use crate::{
-    light::{Bits, CodeImage, Dither, LinearImage, Quantizer, Samples, Transfer, image::resized},
+    light::{
+        Bits, CodeImage, Dither, LinearImage, Quantizer, Samples, Transfer,
+        image::{resampled, shares},
+    },
     text::names::{expected_one_of, named},
 };
 
@@ -244,8 +247,9 @@ impl Picture {
         }
         let scale = f64::from(side) / f64::from(longer);
         let [width, height] = [light.width, light.height].map(|n| ((f64::from(n) * scale).round() as u32).max(1));
-        let at = |x, y| light.pixel(x, y).map(f64::from);
-        let data = resized([light.width, light.height], [width, height], at).into_flattened();
+        let at = |x, y| light.pixel(x as u32, y as u32).map(f64::from);
+        let [from, to] = [[light.width, light.height], [width, height]].map(|size| size.map(|side| side as usize));
+        let data = resampled(from, to, shares, at).into_flattened();
         LinearImage { width, height, data: data.into_iter().map(|light| light as f32).collect() }
     }
 }
@@ -271,7 +275,7 @@ impl Area for Picture {
         let background = quantizer.codes([self.gallery.background as f32; 3]);
         let light = self.sized(self.gallery.show.light(content), side);
         let codes = match self.gallery.show {
-            ShownAs::Codes => Quantizer::new(Transfer::Srgb, Bits::Eight).quantize(&light),
+            ShownAs::Codes => Quantizer::new(&Transfer::Srgb.into(), Bits::Eight).quantize(&light),
             ShownAs::Display if content.is_fine => quantizer.quantize_with(&light, &Dither::BlueNoise),
             ShownAs::Display => quantizer.quantize(&light),
         };

@@ -17,7 +17,8 @@ use super::{
 use crate::{
     text::Cell,
     vision::{
-        ContrastSpectrum, Eye, Judge, MAX_DEG, RampBands, VisionError, check_extent, luminance, next_fast_length,
+        ContrastSpectrum, Eye, Judge, MAX_DEG, RampBands, SRGB_WEIGHTS, VisionError, check_extent, luminance,
+        next_fast_length,
     },
 };
 
@@ -175,7 +176,7 @@ impl ViewingConditions {
     /// Returns a [`VisionError`] if the window is all black.
     pub fn detection(&self, stimulus: &Stimulus) -> Result<f64, VisionError> {
         let size = (DETECTION_PX_PER_DEG * self.window_deg).clamp(256.0, 1024.0) as u32;
-        let light = self.luminances(&stimulus.linear(size));
+        let light = self.luminances(&stimulus.linear(size), SRGB_WEIGHTS);
         let spectrum = ContrastSpectrum::new(&light, [size as usize; 2], self.px_per_deg(size))?;
         Ok(spectrum.detection(&self.eye(&light)))
     }

@@ -27,13 +27,9 @@ impl Profile for &Chevreul {
         self.color.light(self.low + (self.high - self.low) * band / f64::from(self.steps - 1) + added)
     }
 
-    fn jumps(&self) -> Vec<(f64, f64)> {
+    fn turns(&self) -> Option<Vec<(f64, f64)>> {
         let height = (self.high - self.low) / f64::from(self.steps - 1);
-        (1..self.steps).map(|k| (f64::from(k) / f64::from(self.steps) - 0.5, height)).collect()
-    }
-
-    fn turning_points(&self) -> Vec<f64> {
-        self.jumps().into_iter().map(|(at, _)| at).collect()
+        Some((1..self.steps).map(|k| (f64::from(k) / f64::from(self.steps) - 0.5, height)).collect())
     }
 }
 
@@ -65,13 +61,10 @@ impl Profile for &Cornsweet {
         self.color.light(if x >= 0.0 { mean + half } else { mean - half } + added)
     }
 
-    fn jumps(&self) -> Vec<(f64, f64)> {
+    fn turns(&self) -> Option<Vec<(f64, f64)>> {
         // With a width of 0, there is no edge.
-        if self.width == 0.0 { Vec::new() } else { vec![(0.0, self.high - self.low)] }
-    }
-
-    fn turning_points(&self) -> Vec<f64> {
-        vec![-self.width, 0.0, self.width]
+        let height = if self.width == 0.0 { 0.0 } else { self.high - self.low };
+        Some(vec![(-self.width, 0.0), (0.0, height), (self.width, 0.0)])
     }
 }
 
@@ -159,14 +152,10 @@ impl Profile for &Cylinder {
         self.color.light(luminance + added)
     }
 
-    fn jumps(&self) -> Vec<(f64, f64)> {
-        match self.shading {
-            Shading::Flat => (1..self.facets).map(|i| (self.place(i), self.flat(i) - self.flat(i - 1))).collect(),
-            Shading::Gouraud | Shading::Phong => Vec::new(),
-        }
-    }
-
-    fn turning_points(&self) -> Vec<f64> {
-        [0.0].into_iter().chain((0..=self.facets).map(|i| self.place(i))).collect()
+    fn turns(&self) -> Option<Vec<(f64, f64)>> {
+        let is_edge = |i: &u32| self.shading == Shading::Flat && (1..self.facets).contains(i);
+        let height = |i: u32| if is_edge(&i) { self.flat(i) - self.flat(i - 1) } else { 0.0 };
+        let edges = (0..=self.facets).map(|i| (self.place(i), height(i)));
+        Some(edges.chain([(0.0, 0.0)]).collect())
     }
 }

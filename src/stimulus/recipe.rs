@@ -5,12 +5,12 @@ use serde::{Deserialize, Serialize};
 
 use super::{catalog::Stimulus, drawing::place};
 use crate::{
-    light::{Bits, CodeImage, Dither, LinearImage, Quantizer, Transfers},
+    light::{Bits, CodeImage, Dither, LinearImage, Quantizer, Transfers, dither::Screen, palette::Reduction},
     text::{Cell, Column, Table},
 };
 
 /// Largest side of an image, pixels.
-pub const MAX_SIZE: u32 = crate::light::halftone::MAX_PX;
+pub const MAX_SIZE: u32 = 16_384;
 
 /// The complete description of an image. Equal recipes give equal codes on every machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -31,12 +31,31 @@ pub struct Recipe {
     /// SHA-256 of the display profile that the transfer functions come from; `None` if they were assumed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub display_sha256: Option<String>,
+    /// What becomes of the codes in a file; `None` if they are written as they are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub finish: Option<Finish>,
+}
+
+/// What can become of the codes of an image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Finish {
+    /// They are reduced to a palette.
+    Palette(Reduction),
+    /// Each pixel is drawn as a cell of dots, for a device with few codes.
+    Halftone(Screen),
 }
 
 impl Recipe {
     /// Returns the requested light.
     pub fn linear(&self) -> LinearImage {
         self.stimulus.linear(self.size)
+    }
+
+    /// Returns the side of the image in its file, pixels.
+    pub fn side(&self) -> u32 {
+        let cell = if let Some(Finish::Halftone(screen)) = self.finish { screen.matrix.size() } else { 1 };
+        self.size.saturating_mul(cell)
     }
 
     /// Creates a quantizer for the recipe's display. It can be reused for further images.

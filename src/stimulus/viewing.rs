@@ -6,9 +6,10 @@ use serde::Serialize;
 
 use super::catalog::Stimulus;
 use crate::{
+    display::LuminanceRange,
     light::LinearImage,
     shading::{Frame, Truth, coverage},
-    vision::{ContrastSpectrum, DifferenceMap, Eye, VisionError, luminance, luminances},
+    vision::{ContrastSpectrum, DifferenceMap, Eye, SRGB_WEIGHTS, VisionError, luminances},
 };
 
 /// A window on a screen, viewed by an eye adapted to the window's mean light.
@@ -42,6 +43,16 @@ impl ViewingConditions {
         Self { window_deg, white_cd_m2: Self::WHITE_CD_M2, black_cd_m2: Self::BLACK_CD_M2 }
     }
 
+    /// Creates a window of this many degrees on a screen with these luminances, if they are known.
+    pub fn on(screen: Option<LuminanceRange>, window_deg: f64) -> Self {
+        let range = |LuminanceRange { black_cd_m2, white_cd_m2 }| Self {
+            white_cd_m2: white_cd_m2 - black_cd_m2,
+            black_cd_m2,
+            window_deg,
+        };
+        screen.map_or_else(|| Self::new(window_deg), range)
+    }
+
     /// Returns a sufficient size for `stimulus`, pixels.
     pub fn px(stimulus: &Stimulus) -> u32 {
         if stimulus.is_line() { Self::LINE_PX } else { Self::PICTURE_PX }
@@ -52,9 +63,9 @@ impl ViewingConditions {
         self.white_cd_m2 * light + self.black_cd_m2
     }
 
-    /// Returns the luminance of each pixel in cd/m².
-    pub fn luminances(&self, image: &LinearImage) -> Vec<f64> {
-        image.data.chunks_exact(3).map(|pixel| self.cd_m2(luminance([pixel[0], pixel[1], pixel[2]]))).collect()
+    /// Returns the luminance of each pixel in cd/m²; `weights` are those of full red, green and blue relative to white.
+    pub fn luminances(&self, image: &LinearImage, weights: [f64; 3]) -> Vec<f64> {
+        luminances(image, weights).into_iter().map(|light| self.cd_m2(light)).collect()
     }
 
     /// Returns an eye that is adapted to the mean of `light` in cd/m².
@@ -144,11 +155,11 @@ impl Judged {
             return Ok(None);
         }
         let (width, height) = (truth.width as usize, truth.height as usize);
-        let smooth = viewing.luminances(truth);
+        let smooth = viewing.luminances(truth, SRGB_WEIGHTS);
         let judge = viewing.judge([width, height], &smooth)?;
         let px = TAPER_DEG * viewing.px_per_deg(truth.width);
         let share: Vec<f64> = distances(mask, width, height, px).iter().map(|away| (away / px).min(1.0)).collect();
-        let difference = judge.difference(&viewing.luminances(picture), &smooth, Some(&share))?;
+        let difference = judge.difference(&viewing.luminances(picture, SRGB_WEIGHTS), &smooth, Some(&share))?;
         let map = difference.map();
         let mut inside: Vec<f64> =
             map.enlarged().into_iter().zip(mask).filter(|(_, counts)| **counts).map(|(times, _)| times).collect();
@@ -164,12 +175,12 @@ impl Judged {
     /// Panics if the picture does not have the size of the frame.
     pub fn residual(&self, viewing: &ViewingConditions, picture: &LinearImage) -> Option<Residual> {
         let Smooth { picture: truth, mask, .. } = self.truth.as_ref().filter(|truth| truth.mask.contains(&true))?;
-        let light = luminances(truth);
-        let own = luminances(picture);
+        let light = luminances(truth, SRGB_WEIGHTS);
+        let own = luminances(picture, SRGB_WEIGHTS);
         assert_eq!(own.len(), light.len(), "pictures of one frame have one size");
         let difference =
             own.iter().zip(&light).zip(mask).map(|((own, light), counts)| if *counts { own - light } else { 0.0 });
-        let eye = viewing.eye(&viewing.luminances(truth));
+        let eye = viewing.eye(&viewing.luminances(truth, SRGB_WEIGHTS));
         let size = [truth.width, truth.height].map(|side| side as usize);
         let spectrum = ContrastSpectrum::of(&difference.collect::<Vec<_>>(), size, viewing.px_per_deg(truth.width));
         let peak = eye.sensitivity.peak(eye.luminance);

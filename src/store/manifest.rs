@@ -118,7 +118,7 @@ impl<'a> Manifest<'a> {
     /// The same errors as [`Writer::write`].
     pub fn make(&self, i: usize, quantizer: &Quantizer) -> Result<bool, StoreError> {
         let path = self.path(i);
-        let bytes = image::recipe_png(&path, &self.recipes[i], quantizer, image::Finish::Codes)?;
+        let bytes = image::recipe_png(&path, &self.recipes[i], quantizer)?;
         let is_there = || Ok::<bool, StoreError>(content(&path, bytes.len())?.as_ref() == Some(&bytes));
         if is_there()? {
             return Ok(false);

@@ -116,9 +116,8 @@ fn picture(folder: &Path, file: &str) -> Result<PictureFile, StoreError> {
     let light = picture.codes.light(&picture.transfers);
     let is_fine = picture.codes.bytes().is_none();
     let codes = if is_fine {
-        let srgb: Transfer = Transfer::Srgb;
-        let light = picture.codes.light(&srgb.clone().into());
-        Quantizer::new(srgb, Bits::Eight).quantize_with(&light, &Dither::BlueNoise)
+        let srgb = Transfer::Srgb.into();
+        Quantizer::new(&srgb, Bits::Eight).quantize_with(&picture.codes.light(&srgb), &Dither::BlueNoise)
     } else {
         picture.codes
     };

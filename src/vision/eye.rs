@@ -120,14 +120,21 @@ impl Eye {
     }
 }
 
-/// Returns the luminance of a linear sRGB color, 1 for white (IEC 61966-2-1).
-pub fn luminance([red, green, blue]: [f32; 3]) -> f64 {
-    0.2126 * f64::from(red) + 0.7152 * f64::from(green) + 0.0722 * f64::from(blue)
+/// The luminance of full red, green and blue of sRGB, relative to white (IEC 61966-2-1).
+pub const SRGB_WEIGHTS: [f64; 3] = [0.2126, 0.7152, 0.0722];
+
+/// Returns the luminance of a linear sRGB color, 1 for white.
+pub fn luminance(light: [f32; 3]) -> f64 {
+    weighted(&light, SRGB_WEIGHTS)
 }
 
-/// Returns the luminance of each pixel of an image.
-pub fn luminances(image: &LinearImage) -> Vec<f64> {
-    image.data.chunks_exact(3).map(|pixel| luminance([pixel[0], pixel[1], pixel[2]])).collect()
+/// Returns the luminance of each pixel of an image, 1 for white; `weights` are those of full red, green and blue.
+pub fn luminances(image: &LinearImage, weights: [f64; 3]) -> Vec<f64> {
+    image.data.chunks_exact(3).map(|pixel| weighted(pixel, weights)).collect()
+}
+
+fn weighted(light: &[f32], weights: [f64; 3]) -> f64 {
+    light.iter().zip(weights).map(|(light, weight)| f64::from(*light) * weight).sum()
 }
 
 /// Thresholds between the ratings 0 to 3. A rating is above k if ln of what is rated plus logistic noise exceeds the

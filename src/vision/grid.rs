@@ -2,6 +2,8 @@
 
 use rayon::prelude::*;
 
+use crate::light::image::resampled;
+
 /// Pictures with at least twice this number of pixels per degree are averaged down to it, or a little more: the eye
 /// sees nothing finer.
 pub(super) const ENOUGH_PX_PER_DEG: f64 = 120.0;
@@ -78,25 +80,13 @@ pub(super) fn averaged(picture: Vec<f64>, size: [usize; 2], to: [usize; 2]) -> V
     if size == to {
         return picture;
     }
-    let taps = |axis: usize| -> Vec<Vec<(usize, f64)>> {
-        let (from, to) = (size[axis], to[axis]);
-        let tap = |i: usize| {
-            // In units of 1 / `to` pixels, so that all ends are whole numbers.
-            let (start, end) = (i * from, (i + 1) * from);
-            let part = |pixel: usize| (end.min((pixel + 1) * to) - start.max(pixel * to)) as f64 / from as f64;
-            (start / to..end.div_ceil(to)).map(|pixel| (pixel, part(pixel))).collect()
-        };
-        (0..to).map(tap).collect()
+    let areas = |i: usize, to: usize, from: usize| {
+        // In units of 1 / `to` pixels, so that all ends are whole numbers.
+        let (start, end) = (i * from, (i + 1) * from);
+        let part = |pixel: usize| (end.min((pixel + 1) * to) - start.max(pixel * to)) as f64 / from as f64;
+        (start / to..end.div_ceil(to)).map(|pixel| (pixel, part(pixel))).collect()
     };
-    let (across, down) = (taps(0), taps(1));
-    let row = |rows: &Vec<(usize, f64)>| {
-        let mut sum = vec![0.0; size[0]];
-        for (row, part) in rows {
-            sum.iter_mut().zip(&picture[row * size[0]..]).for_each(|(sum, value)| *sum += part * value);
-        }
-        across.iter().map(|taps| taps.iter().map(|(x, part)| part * sum[*x]).sum()).collect::<Vec<f64>>()
-    };
-    down.par_iter().flat_map_iter(row).collect()
+    resampled(size, to, areas, |x, y| [picture[y * size[0] + x]]).into_flattened()
 }
 
 /// Puts a picture into the middle of a `whole` picture of nothing, and returns that with the first place that shows it.

@@ -10,7 +10,10 @@ use super::{
     grid::{ENOUGH_PX_PER_DEG, Grid, Lookup, averaged, coarser, within},
     transforms::{Cosines, next_fast_length},
 };
-use crate::{light::image::resized, system::checkpoint};
+use crate::{
+    light::image::{resampled, shares},
+    system::checkpoint,
+};
 
 /// Responses with at least twice this number of places per degree are averaged before they are pooled, since the weight falls to half only within a third of a degree.
 const ENOUGH_TO_POOL: f64 = 30.0;
@@ -254,7 +257,7 @@ pub struct Difference<'a> {
 }
 
 /// How visible a difference is for a gaze at each place, in times threshold.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct DifferenceMap {
     /// Times threshold, row by row.
     pub times: Vec<f64>,
@@ -338,9 +341,8 @@ impl DifferenceMap {
 
     /// Returns the map with one value for each pixel of the picture, row by row.
     pub fn enlarged(&self) -> Vec<f64> {
-        let [from, to] = [self.places, self.size].map(|size| size.map(|side| side as u32));
-        let at = |x: u32, y: u32| [self.times[y as usize * self.places[0] + x as usize]];
-        resized(from, to, at).into_flattened()
+        let at = |x: usize, y: usize| [self.times[y * self.places[0] + x]];
+        resampled(self.places, self.size, shares, at).into_flattened()
     }
 }
 

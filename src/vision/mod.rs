@@ -22,6 +22,6 @@ mod transforms;
 
 pub use detection::ContrastSpectrum;
 pub use error::{MAX_DEG, VisionError, check_extent};
-pub use eye::{Criterion, Eye, Masking, Sensitivity, luminance, luminances};
+pub use eye::{Criterion, Eye, Masking, SRGB_WEIGHTS, Sensitivity, luminance, luminances};
 pub use judge::{Difference, DifferenceMap, Judge, Place, RampBands};
 pub use transforms::{next_fast_length, unrounded};

@@ -19,7 +19,7 @@ use crate::{
     },
     system::{checkpoint, entries, found},
     text::number::{positive, within},
-    vision::{Place, VisionError, unrounded},
+    vision::{DifferenceMap, Place, SRGB_WEIGHTS, VisionError, unrounded},
 };
 
 /// Number of places that are named.
@@ -91,12 +91,9 @@ pub struct Compared {
     pub mean_ratio: f64,
     /// What the codes mean, and what says so.
     pub light: String,
-    /// Times threshold for a gaze at each pixel, row by row.
+    /// Times threshold for a gaze at each place.
     #[serde(skip)]
-    pub map: Vec<f64>,
-    /// Size of the picture `[across, down]`, pixels.
-    #[serde(skip)]
-    pub size: [usize; 2],
+    pub map: DifferenceMap,
 }
 
 /// How visible the steps between a picture's codes are.
@@ -138,27 +135,10 @@ pub type Pair = (String, anyhow::Result<Compared>);
 /// A picture as light.
 struct Lit {
     name: String,
-    /// Its size `[across, down]`, pixels, and the luminance of each pixel relative to white.
+    /// Its size `[across, down]`, pixels, and the luminance of each pixel in cd/m².
     size: [u32; 2],
-    luminance: Vec<f64>,
+    cd_m2: Vec<f64>,
     light: String,
-}
-
-impl Lit {
-    fn of(name: &str, image: &LinearImage, weights: [f64; 3], light: String) -> Lit {
-        let (size, luminance) = ([image.width, image.height], weighted(image, weights));
-        Lit { name: name.to_owned(), size, luminance, light }
-    }
-
-    fn of_picture(name: &str, picture: &Picture) -> Lit {
-        Self::of(name, &picture.codes.light(&picture.transfers), picture.weights, picture.origin.to_owned())
-    }
-}
-
-/// Returns the luminance of each pixel relative to white; `weights` are those of full red, green and blue.
-fn weighted(image: &LinearImage, weights: [f64; 3]) -> Vec<f64> {
-    let of = |pixel: &[f32]| pixel.iter().zip(weights).map(|(light, weight)| f64::from(*light) * weight).sum();
-    image.data.chunks_exact(3).map(of).collect()
 }
 
 impl Compare {
@@ -171,7 +151,7 @@ impl Compare {
         let encoded = self.encoded(watcher)?;
         let [shown, reference] = match given {
             Some([shown, reference]) => {
-                [(shown, "picture"), (reference, "reference")].map(|(it, name)| lit(it, name, &encoded))
+                [(shown, "picture"), (reference, "reference")].map(|(it, name)| self.given(it, name, &encoded))
             }
             None => {
                 let reference = self.reference()?;
@@ -223,7 +203,7 @@ impl Compare {
                 self.compared(shown?, reference?, &encoded)
             };
             // A map for every pair would not fit into memory.
-            let found = compare().map(|found| Compared { map: Vec::new(), ..found });
+            let found = compare().map(|found| Compared { map: DifferenceMap::default(), ..found });
             watcher.progress(done, all.len() as u64);
             (name.clone(), found)
         };
@@ -252,9 +232,7 @@ impl Compare {
         let source = if levels.bits == 16 { shown.clone() } else { smooth.clone() };
         let dithered = quantizer.quantize_with(&source, &Dither::BlueNoise);
         let viewing = self.viewing(&encoded, width);
-        let cd_m2 = |image: &LinearImage| -> Vec<f64> {
-            weighted(image, picture.weights).into_iter().map(|light| viewing.cd_m2(light)).collect()
-        };
+        let cd_m2 = |image: &LinearImage| viewing.luminances(image, picture.weights);
         let of_codes = |codes: &CodeImage| cd_m2(&codes.light(&picture.transfers));
         let (shown, reference, target) = (cd_m2(&shown), cd_m2(&smooth), cd_m2(&source));
         let grain = of_codes(&dithered);
@@ -274,7 +252,7 @@ impl Compare {
             bits: levels.bits,
             file_bits: picture.bits,
             is_edges,
-            is_srgb: Picture::are_alike(picture.weights, Picture::srgb_weights()),
+            is_srgb: picture.is_srgb(),
             picture: name,
             picture_dithered: dithered,
             transfers: picture.transfers,
@@ -305,7 +283,24 @@ impl Compare {
     }
 
     fn read(&self, path: &Path, encoded: &Encoded) -> anyhow::Result<Lit> {
-        Ok(Lit::of_picture(&path.display().to_string(), &self.picture(path, encoded)?))
+        Ok(self.of_picture(&path.display().to_string(), &self.picture(path, encoded)?, encoded))
+    }
+
+    fn of_picture(&self, name: &str, picture: &Picture, encoded: &Encoded) -> Lit {
+        self.lit(name, &picture.codes.light(&picture.transfers), picture.weights, picture.origin, encoded)
+    }
+
+    /// Returns a picture in memory as light.
+    fn given(&self, given: Given, name: &str, encoded: &Encoded) -> Lit {
+        match given {
+            Given::Codes(codes) => self.of_picture(name, &encoded.given(codes), encoded),
+            Given::Light(image) => self.lit(name, &image, SRGB_WEIGHTS, "given as light", encoded),
+        }
+    }
+
+    fn lit(&self, name: &str, image: &LinearImage, weights: [f64; 3], light: &str, encoded: &Encoded) -> Lit {
+        let cd_m2 = self.viewing(encoded, image.width).luminances(image, weights);
+        Lit { name: name.to_owned(), size: [image.width, image.height], cd_m2, light: light.to_owned() }
     }
 
     fn viewing(&self, encoded: &Encoded, width_px: u32) -> ViewingConditions {
@@ -325,8 +320,7 @@ impl Compare {
         let viewing = self.viewing(encoded, size[0]);
         let share = self.mask.as_deref().map(|path| self.share(path, size)).transpose()?;
         let size = size.map(|side| side as usize);
-        let cd_m2 = |light: Vec<f64>| light.into_iter().map(|light| viewing.cd_m2(light)).collect::<Vec<f64>>();
-        let (mine, theirs) = (cd_m2(shown.luminance), cd_m2(reference.luminance));
+        let (mine, theirs) = (shown.cd_m2, reference.cd_m2);
         let light = if shown.light == reference.light {
             shown.light
         } else {
@@ -355,8 +349,7 @@ impl Compare {
             viewing,
             mean_ratio,
             light,
-            map: map.enlarged(),
-            size,
+            map,
         })
     }
 
@@ -396,8 +389,8 @@ impl Compared {
     pub fn picture_of_map(&self) -> CodeImage {
         let most = self.times_threshold.max(1.0);
         let code = |times: &f64| crease::color(times / most).map(|encoded| (encoded * 255.0).round() as u8);
-        let [width, height] = self.size.map(|side| side as u32);
-        CodeImage { width, height, samples: Samples::Eight(self.map.iter().flat_map(code).collect()) }
+        let [width, height] = self.map.size.map(|side| side as u32);
+        CodeImage { width, height, samples: Samples::Eight(self.map.enlarged().iter().flat_map(code).collect()) }
     }
 }
 
@@ -421,14 +414,6 @@ impl Steps {
 
 fn wrong(name: &str, error: &VisionError) -> anyhow::Error {
     anyhow::anyhow!("{}: {error}", printable(name))
-}
-
-/// Returns a picture in memory as light.
-fn lit(given: Given, name: &str, encoded: &Encoded) -> Lit {
-    match given {
-        Given::Codes(codes) => Lit::of_picture(name, &encoded.given(codes)),
-        Given::Light(image) => Lit::of(name, &image, Picture::srgb_weights(), "given as light".to_owned()),
-    }
 }
 
 /// Returns the light of the smoothest picture that has the codes of this one, and whether most changes of a channel are

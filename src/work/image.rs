@@ -1,7 +1,11 @@
-//! How the light of an image becomes codes: options that several requests share.
+//! Options that several requests share: a stimulus, and how its light becomes codes on a display.
 
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
 
+use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, builder::PossibleValuesParser};
 use serde::{Serialize, Serializer};
 
 use super::{RequestError, Watcher};
@@ -9,7 +13,7 @@ use crate::{
     display::DisplayProfile,
     light::{Bits, CodeImage, Dither, Transfer, Transfers},
     stimulus::{
-        Stimulus, ViewingConditions,
+        KINDS, Parameter, Stimulus, ViewingConditions, catalog,
         recipe::{MAX_SIZE, Recipe},
     },
     store::{
@@ -48,7 +52,7 @@ pub struct Luminances {
 }
 
 /// Writes a value as its text.
-pub(super) fn as_text<T: ToString, S: Serializer>(value: &Option<T>, serializer: S) -> Result<S::Ok, S::Error> {
+fn as_text<T: ToString, S: Serializer>(value: &Option<T>, serializer: S) -> Result<S::Ok, S::Error> {
     value.as_ref().map(ToString::to_string).serialize(serializer)
 }
 
@@ -80,13 +84,10 @@ impl Encoded {
     /// Returns how a window of this width looks: on a screen of the luminances that were asked for, otherwise of the
     /// profile's, otherwise of a typical one.
     pub fn viewing(&self, window_deg: f64, asked: &Luminances) -> ViewingConditions {
-        let typical = ViewingConditions::new(window_deg);
-        let of_profile = self.profile.as_ref().and_then(|(profile, _)| profile.luminance);
-        let black = of_profile.map_or(typical.black_cd_m2, |range| range.black_cd_m2);
-        let white = of_profile.map_or(typical.white_cd_m2, |range| range.white_cd_m2 - range.black_cd_m2);
+        let seen = ViewingConditions::on(self.profile.as_ref().and_then(|(own, _)| own.luminance), window_deg);
         ViewingConditions {
-            white_cd_m2: asked.white.unwrap_or(white),
-            black_cd_m2: asked.black.unwrap_or(black),
+            white_cd_m2: asked.white.unwrap_or(seen.white_cd_m2),
+            black_cd_m2: asked.black.unwrap_or(seen.black_cd_m2),
             window_deg,
         }
     }
@@ -159,6 +160,116 @@ impl Image {
             dither: self.dither,
             seed: self.seed,
             display_sha256: profile.map(|(_, hash)| hash),
+            finish: None,
         })
+    }
+}
+
+/// A stimulus: its kind, and one option for each parameter that any kind in the catalog has.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Drawn {
+    kind: String,
+    #[serde(flatten)]
+    given: BTreeMap<&'static str, String>,
+}
+
+impl Drawn {
+    /// Returns the options of a stimulus, without those that have the defaults of its kind.
+    pub fn of(stimulus: &Stimulus) -> Self {
+        let default = Stimulus::default_of(stimulus.kind());
+        let value = |name: &'static str| {
+            let value = stimulus.get(name)?;
+            let is_default = default.as_ref().and_then(|default| default.get(name)).as_ref() == Some(&value);
+            (!is_default).then(|| (name, value.to_string()))
+        };
+        let given = stimulus.parameters().iter().filter_map(|parameter| value(parameter.name)).collect();
+        Self { kind: stimulus.kind().to_owned(), given }
+    }
+
+    /// True if nothing was asked for.
+    pub(super) fn is_default(&self) -> bool {
+        self.kind == KINDS[0] && self.given.is_empty()
+    }
+
+    /// Builds the stimulus.
+    ///
+    /// # Errors
+    /// Reports every parameter that the kind does not have, and every invalid value.
+    pub fn stimulus(&self) -> Result<Stimulus, RequestError> {
+        let given = self.given.iter().map(|(name, text)| (*name, text.as_str()));
+        Stimulus::with_parameters(&self.kind, given).map_err(|errors| {
+            let errors: Vec<String> = errors.iter().map(ToString::to_string).collect();
+            RequestError::whole(errors.join("\n"))
+        })
+    }
+}
+
+/// Lists every parameter in the catalog once, with the kinds that have it.
+fn parameters() -> Vec<(&'static Parameter, Vec<&'static str>)> {
+    let mut found: Vec<(&Parameter, Vec<&str>)> = Vec::new();
+    for entry in catalog::all() {
+        for parameter in entry.parameters {
+            match found.iter_mut().find(|(known, _)| known.name == parameter.name) {
+                Some((_, kinds)) => kinds.push(entry.kind),
+                None => found.push((parameter, vec![entry.kind])),
+            }
+        }
+    }
+    found
+}
+
+impl Args for Drawn {
+    fn augment_args(command: Command) -> Command {
+        let kind = Arg::new("kind")
+            .long("kind")
+            .value_name("KIND")
+            .default_value(KINDS[0])
+            .value_parser(PossibleValuesParser::new(KINDS))
+            .help("Kind of stimulus");
+        parameters().into_iter().fold(command.arg(kind), |command, (parameter, kinds)| {
+            let of = if kinds.len() == KINDS.len() { String::new() } else { format!(" [{}]", kinds.join(", ")) };
+            let mut defaults: Vec<String> = kinds
+                .iter()
+                .filter_map(|kind| Some(Stimulus::default_of(kind)?.get(parameter.name)?.to_string()))
+                .collect();
+            defaults.dedup();
+            let default = match defaults.as_slice() {
+                [one] => format!(" [default: {one}]"),
+                [first, ..] => format!(" [default: {first} for {}; other kinds have their own]", kinds[0]),
+                [] => String::new(),
+            };
+            let expected = parameter.expected.trim_start_matches("one of ");
+            let is_told = !parameter.unit.is_empty() || parameter.description.contains(expected);
+            let expected = if is_told { String::new() } else { format!(" ({expected})") };
+            command.arg(
+                Arg::new(parameter.name)
+                    .long(parameter.option())
+                    .value_name("VALUE")
+                    .allow_hyphen_values(true)
+                    .help(format!("{}{expected}{default}{of}", parameter.description)),
+            )
+        })
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl FromArgMatches for Drawn {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let text = |name: &str| matches.get_one::<String>(name).cloned();
+        Ok(Self {
+            kind: text("kind").unwrap_or_else(|| KINDS[0].to_owned()),
+            given: parameters()
+                .into_iter()
+                .filter_map(|(parameter, _)| Some((parameter.name, text(parameter.name)?)))
+                .collect(),
+        })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
     }
 }

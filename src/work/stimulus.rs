@@ -4,15 +4,12 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::{Drawn, Encoding, Image, RequestError, Watcher, image::as_text, words};
+use super::{Drawn, Encoding, Image, RequestError, Watcher, words};
 use crate::{
-    light::{Bits, Dither, Transfer, halftone::Screen, palette::Reduction},
+    light::{Bits, Dither, Transfer, dither::Screen, palette::Reduction},
     report::study::shell_command,
-    stimulus::recipe::Recipe,
-    store::{
-        Writer,
-        image::{Finish, recipe_png},
-    },
+    stimulus::recipe::{Finish, Recipe},
+    store::{Writer, image::write_recipe},
 };
 
 /// A stimulus, and how its image is made.
@@ -27,12 +24,10 @@ pub struct Render {
     /// Reduce the image to a palette, given as the method (popularity or median-cut) and the maximum number of
     /// colors, such as median-cut:16.
     #[arg(long, value_name = "METHOD:N")]
-    #[serde(serialize_with = "as_text")]
     pub palette: Option<Reduction>,
     /// Draw each pixel as a cell of dots, for devices with few codes such as printers; given as the matrix and the bits
     /// per channel, such as clustered3:1.
     #[arg(long, value_name = "MATRIX:BITS", conflicts_with = "palette")]
-    #[serde(serialize_with = "as_text")]
     pub halftone: Option<Screen>,
 }
 
@@ -61,15 +56,13 @@ impl Render {
             let message = "a halftone has its own bits, and its dots replace dither; expected 8 bits and no dither";
             return Err(RequestError::new("halftone", message).into());
         }
-        let recipe = self.image.recipe(self.drawn.stimulus()?, watcher)?;
+        let recipe = Recipe {
+            finish: self.palette.map(Finish::Palette).or(self.halftone.map(Finish::Halftone)),
+            ..self.image.recipe(self.drawn.stimulus()?, watcher)?
+        };
         let quantizer = recipe.quantizer();
         if let Some(out) = out {
-            let finish = match (self.halftone, self.palette) {
-                (Some(screen), _) => Finish::Halftone(screen),
-                (None, Some(reduction)) => Finish::Palette(reduction),
-                (None, None) => Finish::Codes,
-            };
-            writer.write(out, &recipe_png(out, &recipe, &quantizer, finish)?)?;
+            write_recipe(writer, out, &recipe, &quantizer)?;
         }
         if let Some(profile) = profile {
             writer.write(profile, &recipe.profile(&quantizer).csv())?;

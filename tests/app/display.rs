@@ -81,7 +81,7 @@ fn with_a_profile_the_screen_shows_what_the_command_writes() {
         let schedule = Schedule::new(&protocol(), &Identity::new("P001", "1").unwrap(), 5).unwrap();
         let stimulus = schedule.conditions[schedule.trials[0].condition].stimulus.clone();
         let (transfers, bits, dither) = (Transfer::Srgb.into(), Bits::Eight, Dither::None);
-        let recipe = Recipe { stimulus, size, transfers, bits, dither, seed: 1, display_sha256: None };
+        let recipe = Recipe { stimulus, size, transfers, bits, dither, seed: 1, display_sha256: None, finish: None };
         let arguments = split(&format!("{} --display screen.toml", work::stimulus::command(&recipe)));
         // An old profile causes only a warning.
         let output = machband(folder.path(), &arguments[1..]);

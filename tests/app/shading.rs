@@ -62,7 +62,7 @@ fn drag(window: &mut Window, from: Pos2, to: Pos2, button: PointerButton) {
 
 fn expected(compared: &Comparison, transfer: &Transfer, which: usize, width: u32, height: u32) -> CodeImage {
     let frame = compared.scene.frame(&Surface::new(compared.mesh.mesh().unwrap().0), width, height);
-    Quantizer::new(transfer, Bits::Eight).quantize(&image(&frame, &compared.sides[which]))
+    Quantizer::new(&transfer.clone().into(), Bits::Eight).quantize(&image(&frame, &compared.sides[which]))
 }
 
 /// Compares both halves at the start and with another shader on the right, also with a display profile.

@@ -11,7 +11,6 @@ mod compare;
 mod limits;
 mod outputs;
 mod plan;
-mod predict;
 mod requests;
 mod security;
 mod shade;

@@ -22,7 +22,7 @@ fn the_picture_matches_the_library() {
     let (info, codes) = pixels(&folder.path().join("a.png"));
     let surface = Surface::new(shapes::mesh(shapes::Shape::Torus, 120).unwrap());
     let frame = Scene::default().frame(&surface, 90, 90);
-    let own = Quantizer::new(&Transfer::Srgb, Bits::Eight).quantize(&image(&frame, &Shade::new(Shader::Patch)));
+    let own = Quantizer::new(&Transfer::Srgb.into(), Bits::Eight).quantize(&image(&frame, &Shade::new(Shader::Patch)));
     assert_eq!(codes, own.bytes().unwrap().iter().step_by(3).copied().collect::<Vec<u8>>());
     let text = &info.uncompressed_latin1_text[0].text;
     let parameters: serde_json::Value = serde_json::from_str(text).unwrap();

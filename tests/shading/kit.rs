@@ -445,7 +445,7 @@ fn card_gives_plain_rusts_coefficients_and_the_librarys_pixels() {
         }
         let (frame, pixels) = (&subject.frame, card.drawn(&mesh, &subject.camera));
         let image = machband::shading::image(frame, &Shade::new(Shader::C1Phong));
-        let codes = Quantizer::new(&Transfer::Linear, Bits::Eight).quantize(&image);
+        let codes = Quantizer::new(&Transfer::Linear.into(), Bits::Eight).quantize(&image);
         let (mut differ, mut compared, ours) = (0, 0, codes.bytes().unwrap());
         for (i, counts) in coverage::interior_mask(frame).into_iter().enumerate() {
             if counts {

@@ -6,8 +6,7 @@ use std::collections::BTreeSet;
 
 use machband::light::{
     Bits, CodeImage, Dither, DitherMatrix, LinearImage, Quantizer, Samples, Thresholds, Transfer, Transfers,
-    dither::MASK_SIZE,
-    halftone::{Halftone, Screen},
+    dither::{MASK_SIZE, Screen, enlarged},
     palette::{IndexedImage, Reducer, Reduction},
 };
 
@@ -150,99 +149,75 @@ fn every_pixel_follows_the_definition() {
 
 // Halftone.
 
-fn halftone(matrix: DitherMatrix, bits: u32, transfer: &Transfer) -> Halftone {
-    Halftone::new(Screen { matrix, bits }, &transfer.into())
+/// Returns the mean light of each level: level c·n² + r has r dots of the code c + 1, and the others have the code c.
+fn levels(Screen { matrix, bits }: Screen, transfer: &Transfer) -> Vec<f64> {
+    let (dots, max) = (matrix.size().pow(2), 2u32.pow(bits) - 1);
+    let light = |code: u32| transfer.linear_from_encoded(f64::from(code.min(max)) / f64::from(max));
+    let mean = |level: u32| {
+        let (code, lit) = (level / dots, f64::from(level % dots) / f64::from(dots));
+        (1.0 - lit) * light(code) + lit * light(code + 1)
+    };
+    (0..=dots * max).map(mean).collect()
 }
 
-/// Returns the mean light of each level's cell.
-fn lights(halftone: &Halftone, bits: u32, transfer: &Transfer) -> Vec<f64> {
-    let max = 2u32.pow(bits) - 1;
-    let light: Vec<f64> =
-        (0..=max).map(|code| transfer.linear_from_encoded(f64::from(code) / f64::from(max))).collect();
-    let mean = |cell: Vec<u8>| cell.iter().map(|code| light[usize::from(*code)]).sum::<f64>() / cell.len() as f64;
-    (0..halftone.level_count()).map(|level| mean(halftone.cell(level))).collect()
-}
-
+/// From each level to the next, the next dot in the order of the matrix gets the next code.
 #[test]
-fn the_number_of_levels_follows_the_formula() {
-    for &matrix in DitherMatrix::ALL {
-        for bits in 1..=8 {
-            let halftone = halftone(matrix, bits, &Transfer::Srgb);
-            let n = matrix.size();
-            assert_eq!(halftone.level_count(), n * n * (2u32.pow(bits) - 1) + 1);
-            // There are as many different lights, and every step brightens one dot by one code and dims none.
-            let count = halftone.level_count();
-            let mut before = halftone.cell(0);
-            assert!(before.iter().all(|&code| code == 0));
-            for level in 1..count {
-                let cell = halftone.cell(level);
-                let gains: Vec<u8> = before.iter().zip(&cell).map(|(&a, &b)| b.checked_sub(a).unwrap()).collect();
-                assert_eq!(gains.iter().map(|&gain| u32::from(gain)).sum::<u32>(), 1, "{matrix} {bits} {level}");
-                before = cell;
-            }
-            assert!(before.iter().all(|&code| u32::from(code) == 2u32.pow(bits) - 1));
-            assert_eq!(halftone.cell(count + 7), before);
-            assert!(lights(&halftone, bits, &Transfer::Srgb).is_sorted_by(|a, b| a < b));
+fn every_level_has_its_cell() {
+    for (&matrix, bits) in DitherMatrix::ALL.iter().flat_map(|matrix| (1..=8).map(move |bits| (matrix, bits))) {
+        let (n, max) = (matrix.size(), 2u32.pow(bits) - 1);
+        if n * n * max > 4096 {
+            continue;
+        }
+        let screen = Screen { matrix, bits };
+        let lights = levels(screen, &Transfer::Srgb);
+        let image = LinearImage::from_fn(lights.len() as u32, 1, |x, _| [lights[x as usize] as f32; 3]);
+        let dots = enlarged(&image, screen, &Transfer::Srgb.into());
+        assert_eq!((dots.width, dots.height), (n * image.width, n));
+        for (x, y) in (0..dots.width).flat_map(|x| (0..n).map(move |y| (x, y))) {
+            let (level, rank) = (x / n, u32::from(matrix.rank(x, y)));
+            let code = level / (n * n) + u32::from(rank < level % (n * n));
+            assert_eq!(
+                dots.pixel(x, y),
+                [(f64::from(code) * 255.0 / f64::from(max)).round() as u16; 3],
+                "{screen} {level}"
+            );
         }
     }
-    // A dot grows from the middle of Shoaff's D⁽³⁾, with x across his rows: first the middle, then above it, then to
-    // its right.
-    assert_eq!(halftone(DitherMatrix::Clustered3, 1, &Transfer::Linear).cell(3), [0, 1, 0, 0, 1, 1, 0, 0, 0]);
-    // As in Shoaff's figure, a 2 × 2 cell of one bit has 5 levels.
-    assert_eq!(halftone(DitherMatrix::Clustered2, 1, &Transfer::Linear).level_count(), 5);
     for text in ["clustered2:0", "bayer2:9", "bayer3:1", "clustered3", "clustered3:"] {
         let error = text.parse::<Screen>().unwrap_err().to_string();
         assert!(error.contains("expected bayer2, bayer4") && error.contains("1…8 bits"), "{error}");
     }
 }
 
+/// Each channel has its own transfer function.
 #[test]
 fn every_value_gets_the_nearest_level() {
-    for transfer in transfers() {
-        for (matrix, bits) in [(DitherMatrix::Clustered2, 1), (DitherMatrix::Clustered3, 2), (DitherMatrix::Bayer4, 4)]
-        {
-            let halftone = halftone(matrix, bits, &transfer);
-            let lights = lights(&halftone, bits, &transfer);
-            for i in 0..=1000 {
-                let linear = i as f32 / 1000.0;
-                let off = |light: f64| (light - f64::from(linear)).abs();
-                let found = off(lights[halftone.level(0, linear) as usize]);
-                let least = lights.iter().map(|&light| off(light)).fold(f64::MAX, f64::min);
-                assert!(found <= least + 1e-7, "{transfer} {matrix} {bits} {linear}");
-            }
-            for (level, &light) in (0..).zip(&lights) {
-                assert_eq!(halftone.level(1, light as f32), level, "{transfer} {matrix} {bits}");
-            }
-            let last = halftone.level_count() - 1;
-            assert_eq!([f32::NAN, -1.0, 2.0].map(|linear| halftone.level(2, linear)), [0, 0, last]);
-        }
-    }
-}
-
-/// Every pixel becomes its level's cell, in 8 bits. Each channel uses its own transfer function.
-#[test]
-fn enlarged_images_have_a_cell_for_every_pixel() {
     let image = LinearImage::from_fn(23, 11, |x, y| {
         let (u, v) = (x as f32 / 22.0, y as f32 / 10.0);
         [u, v, 0.7 * (1.0 - u) + 0.1 * v]
     });
-    let transfers = Transfers::new([Transfer::Srgb, Transfer::Linear, Transfer::Gamma(2.2)]);
-    for (matrix, bits) in [(DitherMatrix::Clustered3, 1), (DitherMatrix::Clustered2, 3), (DitherMatrix::Bayer8, 2)] {
-        let halftone = Halftone::new(Screen { matrix, bits }, &transfers);
-        let (n, max) = (matrix.size(), 2u16.pow(bits) - 1);
-        let dots = halftone.enlarged(&image);
-        assert_eq!((dots.width, dots.height), (23 * n, 11 * n));
-        for (x, y) in (0..dots.width * dots.height).map(|i| (i % dots.width, i / dots.width)) {
-            let light = image.pixel(x / n, y / n);
-            let code = |channel: usize| {
-                let cell = halftone.cell(halftone.level(channel, light[channel]));
-                (f64::from(cell[(y % n * n + x % n) as usize]) * 255.0 / f64::from(max)).round() as u16
-            };
-            assert_eq!(dots.pixel(x, y), [0, 1, 2].map(code));
+    let transfers = Transfers::new([Transfer::Srgb, transfers().pop().unwrap(), Transfer::Gamma(2.2)]);
+    for (matrix, bits) in [(DitherMatrix::Clustered3, 1), (DitherMatrix::Clustered2, 3), (DitherMatrix::Bayer4, 4)] {
+        let (screen, n, max) = (Screen { matrix, bits }, matrix.size(), 2f64.powi(bits as i32) - 1.0);
+        let dots = enlarged(&image, screen, &transfers);
+        for (channel, transfer) in transfers.channels().iter().enumerate() {
+            let levels = levels(screen, transfer);
+            for (x, y) in (0..23 * 11).map(|i| (i % 23, i / 23)) {
+                let light = |i: u32| {
+                    let code = dots.pixel(x * n + i % n, y * n + i / n)[channel];
+                    transfer.linear_from_encoded((f64::from(code) * max / 255.0).round() / max)
+                };
+                let mean = (0..n * n).map(light).sum::<f64>() / f64::from(n * n);
+                let off = |light: &f64| (light - f64::from(image.pixel(x, y)[channel])).abs();
+                let least = levels.iter().map(off).fold(f64::MAX, f64::min);
+                assert!(off(&mean) <= least + 1e-7, "{transfer} {screen} ({x}, {y})");
+            }
         }
+        let odd = LinearImage::from_fn(3, 1, |x, _| [[f32::NAN, -1.0, 2.0][x as usize]; 3]);
+        let dots = enlarged(&odd, screen, &transfers);
+        assert!((0..3 * n).all(|x| (0..n).all(|y| dots.pixel(x, y) == [if x < 2 * n { 0 } else { 255 }; 3])));
+        assert_eq!(enlarged(&LinearImage::new(0, 3), screen, &transfers).bytes(), Some(&[][..]));
     }
-    let halftone = halftone(DitherMatrix::Bayer2, 1, &Transfer::Linear);
-    assert_eq!(halftone.enlarged(&LinearImage::new(0, 3)).bytes(), Some(&[][..]));
 }
 
 fn image(width: u32, pixels: &[[u8; 3]]) -> CodeImage {
@@ -251,7 +226,7 @@ fn image(width: u32, pixels: &[[u8; 3]]) -> CodeImage {
 }
 
 fn reduce(image: &CodeImage, transfer: &Transfer, colors: u32, reducer: Reducer) -> IndexedImage {
-    machband::light::palette::reduce(image, transfer, Reduction { reducer, colors }).unwrap()
+    machband::light::palette::reduce(image, &transfer.clone().into(), Reduction { reducer, colors }).unwrap()
 }
 
 /// An example small enough to compute by hand.

@@ -27,6 +27,7 @@ fn recipe(kind: &str) -> Recipe {
         dither: Dither::None,
         seed: 1,
         display_sha256: None,
+        finish: None,
     }
 }
 
@@ -281,7 +282,7 @@ fn light_matches_the_independent_script() {
 /// `UPDATE_HASHES=1` writes the file again. A changed hash means a changed stimulus for everyone who has used it.
 #[test]
 fn codes_match_their_recorded_hashes() {
-    let quantizer = Quantizer::new(&Transfer::Srgb, Bits::Eight);
+    let quantizer = Quantizer::new(&Transfer::Srgb.into(), Bits::Eight);
     let mut text =
         String::from("# SHA-256 of the 8-bit sRGB codes, 96 px a side, of every catalog entry and variant.\n");
     for entry in catalog::all() {

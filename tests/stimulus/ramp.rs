@@ -1,16 +1,16 @@
 //! The Mach-band stimulus: its symmetries, its plateaus, its parameters, and the agreement of its codes with its light.
 
-use super::{Draw as _, transfers};
+use super::transfers;
 use machband::light::{Bits, Depth, Quantizer, Transfer, Transfers};
 use machband::stimulus::{MachBand, ParameterValue, RampSpace, Stimulus, StimulusColor, catalog};
 use proptest::prelude::*;
 
 fn quantizers() -> Vec<Quantizer> {
-    let alike = transfers().into_iter().map(|transfer| Quantizer::new(transfer, Bits::Eight));
+    let alike = transfers().into_iter().map(|transfer| Quantizer::new(&transfer.into(), Bits::Eight));
     let dark_toe = Transfer::gog(2.2, 1.05, -0.05).unwrap();
     // Red and green, whose equal weights make yellow, have different transfer functions.
     let differing = Transfers::new([Transfer::Gamma(2.0), Transfer::Gamma(2.2), Transfer::Srgb]);
-    alike.chain([Quantizer::new(dark_toe, Bits::Eight), Quantizer::new(differing, Bits::Eight)]).collect()
+    alike.chain([Quantizer::new(&dark_toe.into(), Bits::Eight), Quantizer::new(&differing, Bits::Eight)]).collect()
 }
 
 /// Checks that the codes equal the quantized light.
@@ -52,7 +52,7 @@ fn luminances() -> impl Strategy<Value = (f64, f64)> {
         // On the threshold of a code, or a rounding error away from it.
         (1u16..255, 1u16..255, -2..=2i32)
             .prop_map(|(a, b, off)| {
-                let quantizer = Quantizer::new(&Transfer::Linear, Bits::Eight);
+                let quantizer = Quantizer::new(&Transfer::Linear.into(), Bits::Eight);
                 let low = f64::from(quantizer.channel(0).threshold(a.min(b)));
                 let high = f64::from(quantizer.channel(0).threshold(a.max(b)));
                 (low + f64::from(off) * f64::EPSILON, high + f64::from(off) * 1e-9)
@@ -104,7 +104,7 @@ proptest! {
     ) {
         prop_assert_eq!(stimulus.validate(), Ok(()));
         let quantizer = match transfer {
-            7 => Quantizer::new(Transfer::gamma(gamma).unwrap(), Bits::Eight),
+            7 => Quantizer::new(&Transfer::gamma(gamma).unwrap().into(), Bits::Eight),
             other => quantizers().swap_remove(other),
         };
         assert_codes_are_right(&stimulus, size, &quantizer);
@@ -113,8 +113,9 @@ proptest! {
     #[test]
     fn half_a_turn_is_a_point_mirror(band in band(), size in 1u32..40, millidegrees in -400_000..400_000i32) {
         let orientation_deg = f64::from(millidegrees) / 1000.0;
-        let image = MachBand { orientation_deg, ..band.clone() }.linear(size);
-        let turned = MachBand { orientation_deg: orientation_deg + 180.0, ..band }.linear(size);
+        let [image, turned] = [0.0, 180.0].map(|more| {
+            Stimulus::from(MachBand { orientation_deg: orientation_deg + more, ..band.clone() }).linear(size)
+        });
         prop_assert!(turned.data.chunks(3).rev().flatten().eq(&image.data));
     }
 }
@@ -130,7 +131,7 @@ fn a_step_through_pixel_centers_is_halfway_there() {
     ] {
         for turns in [-360.0, -180.0, 0.0, 180.0, 360.0, 3600.0] {
             let orientation_deg = f64::from(eighths) * 45.0 + turns;
-            let image = MachBand { width: 0.0, orientation_deg, ..MachBand::default() }.linear(41);
+            let image = Stimulus::from(MachBand { width: 0.0, orientation_deg, ..MachBand::default() }).linear(41);
             for (x, y) in (0..41).flat_map(|y| (0..41).map(move |x| (x, y))) {
                 let half_way = image.pixel(x, y)[0] == 0.5;
                 assert_eq!(half_way, on_line(x, y), "{orientation_deg}°: ({x}, {y})");

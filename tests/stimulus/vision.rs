@@ -4,7 +4,7 @@
 use machband::{
     light::Depth,
     stimulus::{MachBand, Stimulus, ViewingConditions, Visible},
-    vision::{ContrastSpectrum, DifferenceMap, Eye, Judge, RampBands, unrounded},
+    vision::{ContrastSpectrum, DifferenceMap, Eye, Judge, RampBands},
 };
 
 /// Luminance of white without a black, so that contrasts are those of the numbers.
@@ -258,22 +258,4 @@ fn a_step_needs_more_contrast_in_dim_light() {
         let times = line(64.0, 8.0, low, |x| if x > 0.0 { low * (1.0 + STEP) } else { low }, |_| low);
         assert!((STEP / times / wanted - 1.0).abs() < 0.02, "{low} cd/m²: {}, expected {wanted}", STEP / times);
     }
-}
-
-/// Eight codes of a gradient that is 8° wide: what was rounded is found again, and the picture's own steps are seen.
-#[test]
-fn the_smooth_picture_behind_codes_is_found() {
-    let size = [256, 64];
-    let smooth: Vec<f64> = (0..256 * 64).map(|i| 100.0 + 8.0 * f64::from(i % 256) / 256.0).collect();
-    let codes: Vec<f64> = smooth.iter().map(|value| value.round()).collect();
-    let found = unrounded(&codes, size, |_| [0.5; 2]);
-    assert!(found.iter().zip(&codes).all(|(value, code)| (value - code).abs() <= 0.5));
-    let inside = found.iter().zip(&smooth).enumerate().filter(|(i, _)| (32..224).contains(&(i % 256)));
-    let worst = inside.map(|(_, (found, smooth))| (found - smooth).abs()).fold(0.0, f64::max);
-    assert!(worst < 0.15, "{worst} codes");
-    let light = |values: &[f64]| values.iter().map(|value| 0.1 * value).collect::<Vec<f64>>();
-    let judge = Judge::of_pictures(size, 32.0, Eye::adapted_to(10.0)).unwrap();
-    let difference = |a: &[f64], b: &[f64]| judge.difference(&light(a), &light(b), None).unwrap().map().largest();
-    let (own, true_) = (difference(&codes, &found), difference(&codes, &smooth));
-    assert!(own > 0.7 * true_ && own < 1.3 * true_, "{own} {true_}");
 }

@@ -144,7 +144,7 @@ mod rows_on_disk {
             texts in prop::array::uniform5("[^\r\n\0]{1,12}"), phase in prop::sample::select(vec![Phase::Practice, Phase::Main]),
             counts in prop::array::uniform5(any::<u32>()), seed: u64,
             numbers in prop::array::uniform4(number()), times in prop::array::uniform3(seconds()),
-            depth in prop::option::of(prop_oneof![Just(Depth::Infinite), (1..33_u32).prop_map(|n| Depth::finite(n).unwrap())]),
+            depth in prop::option::of(prop_oneof![Just(Depth::Infinite), (1..33_u8).prop_map(Depth::Finite)]),
             color in prop::option::of("[^\r\n\0]{1,9}"), rating in 0..4_u8, frames in prop::option::of(any::<(u32, u32)>()),
             late in prop::option::of((seconds(), any::<bool>(), seconds())), millisecond in -62_000_000_000_000_i64..250_000_000_000_000, extra_factors in "[^\r\n\0]{0,9}",
         ) -> TrialRecord {

@@ -3,7 +3,7 @@
 use std::error::Error;
 
 use machband::{
-    light::{Depth, Interpolation},
+    light::{Depth, TANH_K},
     vision::{Eye, Judge, Masking, RampBands, Sensitivity},
     work::criterion::rank_correlation,
 };
@@ -60,8 +60,8 @@ fn line(light: impl Fn(f64) -> f64) -> Vec<f64> {
 
 /// A ramp of this contrast around 50 cd/m².
 fn ramp(depth: u8, width: f64, contrast: f64) -> Vec<f64> {
-    let of = Interpolation::new(Depth::Finite(depth));
-    line(|x| 50.0 * (1.0 + contrast * (2.0 * of.value((x / width + 0.5).clamp(0.0, 1.0)) - 1.0)))
+    let of = |x: f64| Depth::Finite(depth).interpolation(x / width + 0.5, TANH_K);
+    line(|x| 50.0 * (1.0 + contrast * (2.0 * of(x) - 1.0)))
 }
 
 /// The figures, in the order of [`ROWS`].

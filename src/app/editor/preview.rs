@@ -53,7 +53,7 @@ impl Preview {
         let drawn = self.drawn.get(ui.ctx(), (trial.stimuli.clone(), px), px, || trial.stimuli.clone());
         ui::section(ui, format!("One trial{when}"));
         let light = protocol.stimulus.field_light(protocol.recovery.level);
-        let field = pixels::field(&Quantizer::new(&Transfer::Srgb, Bits::Eight), light);
+        let field = pixels::field(&Quantizer::new(&Transfer::Srgb.into(), Bits::Eight), light);
         let height = rows as f32 * (side + GAP) + GAP + CAPTION;
         let (rect, response) = ui.allocate_exact_size(vec2(room.x, height), Sense::hover());
         ui::describe(&response, "One trial");

@@ -11,22 +11,20 @@ use crate::{
         theme,
         work::Latest,
     },
-    display::{DisplayProfile, LuminanceRange, Viewing},
-    light::{Bits, Dither, Quantizer},
-    stimulus::{
-        Parameter, ParameterError, ParameterValue, Stimulus, ViewingConditions, Visible, catalog, place, recipe::Recipe,
-    },
+    display::{DisplayProfile, Viewing},
+    light::{Bits, Dither, DitherMatrix, Quantizer},
+    stimulus::{Parameter, ParameterError, Stimulus, ViewingConditions, Visible, catalog, recipe::Recipe},
     store,
-    vision::{RampBands, VisionError},
+    text::Cell,
+    vision::RampBands,
     work,
 };
 
-/// Number of samples of the plotted profile.
-const SAMPLES: u32 = 1024;
 /// The choices for the side of the image, physical pixels.
 const SIZES: [u32; 5] = [256, 384, 512, 768, 1024];
 /// The choices for the dither.
-const DITHERS: [&str; 4] = ["none", "ordered", "blue-noise", "random"];
+const DITHERS: [Dither; 4] =
+    [Dither::None, Dither::Ordered(DitherMatrix::Bayer8), Dither::BlueNoise, Dither::Random { seed: 1 }];
 /// Width of the column of controls and, in it, of the labels, points.
 const CONTROLS: f32 = 360.0;
 const LABELS: f32 = 100.0;
@@ -46,16 +44,19 @@ const WIDE: f32 = 640.0;
 const MARK: f64 = 0.12;
 
 /// The page with the stimuli of the catalog.
+#[derive(Default)]
 pub struct Gallery {
     settings: Choices,
-    faults: Faults,
+    /// What is wrong with the settings.
+    faults: Vec<ParameterError>,
     history: History<Choices>,
     shown: Option<Shown>,
     saving: Saving,
     display: DisplayProfile,
     /// The geometry of the screen, if it is known.
     viewing: Option<Viewing>,
-    predicted: Latest<Key, Predicted>,
+    /// How visible the bands of a stimulus are, and the contrast of its picture, times threshold.
+    predicted: Latest<Key, (Visible, f64)>,
     /// The pictures of all kinds, by their side in pixels.
     tiles: Drawn<u32>,
 }
@@ -70,9 +71,6 @@ struct Choices {
     size: u32,
     dither: Dither,
 }
-
-/// Errors. Each belongs to the named parameter, or to the combination of parameters if it has no name.
-type Faults = Vec<(Option<&'static str>, String)>;
 
 /// The displayed image and curves, and the recipe that they were made from.
 struct Shown {
@@ -97,12 +95,14 @@ fn default_values(entry: &catalog::Entry) -> Vec<String> {
     stimulus.parameters().iter().map(value).collect()
 }
 
-impl Choices {
-    fn new(size: u32) -> Self {
+impl Default for Choices {
+    fn default() -> Self {
         let values = catalog::all().iter().map(default_values).collect();
-        Self { entry: 0, values, size, dither: Dither::None }
+        Self { entry: 0, values, size: SIZES[0], dither: Dither::None }
     }
+}
 
+impl Choices {
     /// Returns these settings with the defaults of the chosen kind.
     fn reset(&self) -> Self {
         let mut values = self.values.clone();
@@ -114,42 +114,15 @@ impl Choices {
         &catalog::all()[self.entry]
     }
 
-    /// Returns the stimulus that the controls describe, or the errors in them.
-    fn stimulus(&self) -> Result<Stimulus, Faults> {
-        let mut stimulus = self.kind().default_stimulus();
-        let mut errors = Vec::new();
-        for (parameter, text) in stimulus.parameters().iter().zip(&self.values[self.entry]) {
-            let value: ParameterValue = text.parse().unwrap_or_else(|never| match never {});
-            if let Err(ParameterError { value, problem, expected, .. }) = stimulus.set(parameter.name, &value) {
-                errors.push((
-                    Some(parameter.name),
-                    format!("{}: {value} {problem}. Enter {expected}.", parameter.label()),
-                ));
-            }
-        }
-        if errors.is_empty()
-            && let Err(found) = stimulus.validate()
-        {
-            errors.extend(found.iter().map(|error| (None, error.to_string())));
-        }
-        if errors.is_empty() { Ok(stimulus) } else { Err(errors) }
+    /// Returns the parameters of the chosen kind.
+    fn parameters(&self) -> &'static [Parameter] {
+        self.kind().default_stimulus().parameters()
     }
-}
 
-impl Default for Gallery {
-    fn default() -> Self {
-        let (settings, display) = (Choices::new(SIZES[0]), DisplayProfile::default());
-        Self {
-            viewing: None,
-            predicted: Latest::default(),
-            history: History::new(settings.clone()),
-            settings,
-            faults: Faults::new(),
-            shown: None,
-            saving: Saving::to("stimulus.png"),
-            display,
-            tiles: Drawn::default(),
-        }
+    /// Returns the stimulus that the controls describe, or the errors in them.
+    fn stimulus(&self) -> Result<Stimulus, Vec<ParameterError>> {
+        let given = self.parameters().iter().zip(&self.values[self.entry]);
+        Stimulus::with_parameters(self.kind().kind, given.map(|(parameter, text)| (parameter.name, text.as_str())))
     }
 }
 
@@ -163,6 +136,7 @@ impl Gallery {
         let size = SIZES.iter().rev().find(|size| **size as f32 <= room).unwrap_or(&SIZES[0]);
         self.settings.size = *size;
         self.history = History::new(self.settings.clone());
+        self.saving = Saving::to("stimulus.png");
     }
 
     /// Draws the page for a screen with this profile and this geometry, if that is known; returns whether the user left
@@ -201,13 +175,14 @@ impl Gallery {
             dither: self.settings.dither,
             seed: 1,
             display_sha256: self.display.measured.is_some().then(|| store::profile::hash(&self.display)),
+            finish: None,
         };
         if self.settings.kind().has_bands {
             let key = (stimulus.clone(), recipe.size, self.conditions(recipe.size));
             if !stimulus.is_line() {
-                self.predicted.want(ctx, key.clone(), || move || Predicted::of(&key));
+                self.predicted.want(ctx, key.clone(), || move || predicted(&key));
             } else if self.predicted.get(&key).is_none() {
-                let predicted = Predicted::of(&key);
+                let predicted = predicted(&key);
                 self.predicted.put(key, predicted);
             }
         }
@@ -224,11 +199,7 @@ impl Gallery {
     /// Returns how an image with this side is seen.
     fn conditions(&self, size: u32) -> ViewingConditions {
         let degrees = |viewing: Viewing| f64::from(size) / viewing.px_per_degree();
-        let mut seen = ViewingConditions::new(self.viewing.map_or(ViewingConditions::WINDOW_DEG, degrees));
-        if let Some(LuminanceRange { black_cd_m2, white_cd_m2 }) = self.display.luminance {
-            (seen.white_cd_m2, seen.black_cd_m2) = (white_cd_m2 - black_cd_m2, black_cd_m2);
-        }
-        seen
+        ViewingConditions::on(self.display.luminance, self.viewing.map_or(ViewingConditions::WINDOW_DEG, degrees))
     }
 
     /// Draws all settings.
@@ -238,10 +209,10 @@ impl Gallery {
         self.history.show(ui, &mut self.settings, initial);
         ui::hint(ui, self.settings.kind().about);
         ui.add_space(theme::SMALL_GAP);
+        let parameters = self.settings.parameters();
         let Choices { entry, values, size, dither } = &mut self.settings;
-        let parameters = catalog::all()[*entry].parameters;
         for (parameter, text) in parameters.iter().zip(&mut values[*entry]) {
-            let is_wrong = self.faults.iter().any(|(of, _)| *of == Some(parameter.name));
+            let is_wrong = self.faults.iter().any(|error| error.parameter == parameter.name);
             ui.scope(|ui| {
                 if is_wrong {
                     theme::outline_wrong(ui);
@@ -250,21 +221,23 @@ impl Gallery {
             });
         }
         ui.add_space(theme::SMALL_GAP);
-        let dithers: Vec<Dither> = DITHERS.iter().filter_map(|name| name.parse().ok()).collect();
         Field::new("Size, px")
             .column(LABELS)
             .choice(ui, size, &SIZES, u32::to_string)
             .on_hover_text("The side of the image, in pixels of the screen.");
         Field::new("Dither")
             .column(LABELS)
-            .choice(ui, dither, &dithers, Dither::to_string)
+            .choice(ui, dither, &DITHERS, Dither::to_string)
             .on_hover_text("How a value between two codes is rounded to one of them.");
     }
 
     fn export(&mut self, ui: &mut Ui) {
         let Some(shown) = &self.shown else { return };
         // Below a control, an error would shift the others.
-        self.faults.iter().for_each(|(_, error)| ui::show_error(ui, error));
+        for ParameterError { parameter, value, problem, expected } in &self.faults {
+            let label = ui::parameter::label(self.settings.parameters(), parameter);
+            ui::show_error(ui, format!("{label}: {value} {problem}. Enter {expected}."));
+        }
         let field = Field::new("Export to").column(LABELS).width(ui.available_width() - LABELS - theme::GAP);
         self.saving.field(ui, field).on_hover_text(
             "The ending chooses the format: .png for the image, .csv for the light along its orientation.",
@@ -331,8 +304,8 @@ impl Gallery {
         let Some(shown) = &self.shown else { return };
         let Recipe { stimulus, size, .. } = &shown.recipe;
         let kind = self.settings.kind();
-        let predicted = self.predicted.get(&(stimulus.clone(), *size, self.conditions(*size)));
-        let predicted = predicted.filter(|_| kind.has_bands);
+        let conditions = self.conditions(*size);
+        let predicted = self.predicted.get(&(stimulus.clone(), *size, conditions)).filter(|_| kind.has_bands);
         let room = ui.clip_rect().width();
         let side = *size as f32 / ui.ctx().pixels_per_point();
         let beside = room - AXIS - side - 2.0 * ui.spacing().item_spacing.x;
@@ -340,7 +313,14 @@ impl Gallery {
             ui.vertical(|ui| {
                 ui.set_width(width.min(theme::COLUMN));
                 match predicted {
-                    Some(Ok(predicted)) => predicted.show(ui, self.viewing),
+                    Some(Ok((visible, detection))) => {
+                        ui::paragraph(ui, sentence(visible));
+                        ui::paragraph(
+                            ui,
+                            format!("The contrast of the whole picture is predicted to be {detection:.1} times the threshold."),
+                        );
+                        ui::hint(ui, format!("At 1, people just see the difference. {}", self.place(conditions.window_deg)));
+                    }
                     Some(Err(error)) => ui::show_error(ui, format!("No prediction: {error}.")),
                     None if kind.has_bands => _ = ui.label("Predicting…"),
                     None => ui::paragraph(ui, "Nothing is predicted: this is not about Mach bands."),
@@ -361,7 +341,8 @@ impl Gallery {
             numbers(ui, room);
         }
         let [asked, emitted] = &shown.curves;
-        let marks = predicted.and_then(|predicted| predicted.as_ref().ok()).map_or(&[][..], |known| &known.marks);
+        let bands = predicted.and_then(|found| found.as_ref().ok()?.0.bands());
+        let marks = bands.map_or_else(Vec::new, |bands| marks(bands, conditions.window_deg));
         let ink = theme::ink(ui);
         let [after, requested] = ink.sides();
         ui.horizontal(|ui| {
@@ -377,8 +358,16 @@ impl Gallery {
             marks.iter().for_each(|mark| draw_mark(plot, *mark, asked, ink.ink));
         });
         if stimulus.is_line() {
-            let bands = if kind.has_bands { description(marks) } else { "no Mach bands".to_owned() };
+            let bands = if kind.has_bands { description(&marks) } else { "no Mach bands".to_owned() };
             ui::describe(&response, &format!("Plot: light, {bands}"));
+        }
+    }
+
+    /// Says how wide the window is.
+    fn place(&self, window: f64) -> String {
+        match self.viewing {
+            Some(viewing) => format!("At {} cm, the window is {window:.1}° wide.", viewing.distance_cm),
+            None => format!("The window is assumed to be {window}° wide."),
         }
     }
 }
@@ -432,51 +421,18 @@ fn plot(ui: &mut Ui, width: f32, lines: [(Color32, &Trace); 2], over: impl FnOnc
 
 /// Returns the requested and the emitted light.
 fn curves(recipe: &Recipe, quantizer: &Quantizer) -> [Trace; 2] {
-    let strongest = recipe.stimulus.strongest_channel();
-    let light = recipe.stimulus.profile(SAMPLES);
-    let at = |i: u32| [place(i, SAMPLES), f64::from(light[i as usize][strongest])];
     let table = recipe.profile(quantizer);
-    let [x, emitted] = ["x", "emitted"].map(|name| table.column(name).map_or(&[][..], |column| &column.cells));
-    let emitted = x.iter().zip(emitted).filter_map(|(x, light)| Some([x.as_number()?, light.as_number()?]));
-    [(0..SAMPLES).map(at).collect(), emitted.collect()]
+    let numbers = |name| table.column(name).into_iter().flat_map(|of| of.cells.iter().filter_map(Cell::as_number));
+    ["linear", "emitted"].map(|light| numbers("x").zip(numbers(light)).map(<[f64; 2]>::from).collect())
 }
 
 /// A stimulus, its side in pixels, and how it is seen.
 type Key = (Stimulus, u32, ViewingConditions);
 
-/// The prediction for a stimulus.
-struct Predicted {
-    visible: Visible,
-    detection: f64,
-    /// The bands of a ramp that people can see.
-    marks: Vec<Mark>,
-    window_deg: f64,
-}
-
-impl Predicted {
-    fn of((stimulus, size, conditions): &Key) -> Result<Self, String> {
-        let window_deg = conditions.window_deg;
-        let fail = |error: VisionError| error.to_string();
-        let visible = conditions.visible(&[stimulus], Some(*size)).map_err(fail)?.remove(0);
-        let marks = if let Visible::Ramp(bands) = &visible { marks(bands, window_deg) } else { Vec::new() };
-        Ok(Self { visible, detection: conditions.detection(stimulus).map_err(fail)?, marks, window_deg })
-    }
-
-    /// Draws the numbers, and says where they hold.
-    fn show(&self, ui: &mut Ui, viewing: Option<Viewing>) {
-        ui::paragraph(ui, sentence(&self.visible));
-        let times = self.detection;
-        ui::paragraph(
-            ui,
-            format!("The contrast of the whole picture is predicted to be {times:.1} times the threshold."),
-        );
-        let window = self.window_deg;
-        let place = match viewing {
-            Some(viewing) => format!("At {} cm, the window is {window:.1}° wide.", viewing.distance_cm),
-            None => format!("The window is assumed to be {window}° wide."),
-        };
-        ui::hint(ui, format!("At 1, people just see the difference. {place}"));
-    }
+/// Predicts how visible the bands of a stimulus are, and the contrast of its picture.
+fn predicted((stimulus, size, conditions): &Key) -> Result<(Visible, f64), String> {
+    let visible = conditions.visible(&[stimulus], Some(*size)).map(|mut found| found.remove(0));
+    visible.and_then(|visible| Ok((visible, conditions.detection(stimulus)?))).map_err(|error| error.to_string())
 }
 
 /// Says how visible the bands are.

@@ -57,7 +57,7 @@ impl<K: Clone + PartialEq> Drawn<K> {
         self.work.want(ctx, key.clone(), || {
             let stimuli = stimuli();
             move || {
-                let quantizer = Quantizer::new(&Transfer::Srgb, Bits::Eight);
+                let quantizer = Quantizer::new(&Transfer::Srgb.into(), Bits::Eight);
                 Ok(stimuli.par_iter().map(|stimulus| stimulus.codes(px, &quantizer)).collect())
             }
         });

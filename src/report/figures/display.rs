@@ -117,7 +117,7 @@ pub fn stimulus(protocol: &Protocol) -> Option<Figure> {
     let levels: Vec<String> = protocol.factors.iter().zip(&condition.levels).map(level).collect();
     let which = if levels.is_empty() { String::new() } else { format!(" at {}", list(&levels)) };
     let caption = format!("The stimulus of the first condition{which}, in {SQUARES} × {SQUARES} squares.");
-    let codes = condition.stimulus.codes(SQUARES, &Quantizer::new(Transfer::Srgb, Bits::Eight));
+    let codes = condition.stimulus.codes(SQUARES, &Quantizer::new(&Transfer::Srgb.into(), Bits::Eight));
     let color = |[r, g, b]: [u16; 3]| Rgb(r as u8, g as u8, b as u8);
     let left = ((WIDTH - f64::from(SQUARES) * SIDE) / 2.0).round();
     let height = f64::from(SQUARES) * SIDE + 2.0 * EDGE;

@@ -12,7 +12,7 @@ use super::{
     shade::{Correction, Shade},
 };
 use crate::{
-    light::{Depth, Interpolation},
+    light::{Depth, TANH_K},
     shading::frame::Frame,
 };
 
@@ -37,7 +37,7 @@ fn narrowed(w: [f64; 3], b: f64) -> f64 {
 /// ½)))/2.
 #[derive(Clone, Copy, Debug)]
 pub struct Curve {
-    interpolation: Interpolation,
+    depth: Depth,
     /// T(0), what the curve misses of 0 and 1; as printed, 0.
     missing: f64,
 }
@@ -45,8 +45,7 @@ pub struct Curve {
 impl Curve {
     /// Makes the curve of depth `depth` that reaches 0 and 1.
     pub fn new(depth: Depth) -> Self {
-        let interpolation = Interpolation::new(depth);
-        Curve { interpolation, missing: interpolation.value(0.0) }
+        Curve { depth, missing: depth.interpolation(0.0, TANH_K) }
     }
 
     /// Makes the curve of depth `depth` as Bangay prints it.
@@ -56,7 +55,7 @@ impl Curve {
 
     /// Returns I_n(u): 0 for u ≤ 0, 1 for u ≥ 1, except that the printed curve of n = ∞ is not 0 at u = 0.
     pub fn value(&self, u: f64) -> f64 {
-        ((self.interpolation.value(u) - self.missing) / (1.0 - 2.0 * self.missing)).clamp(0.0, 1.0)
+        ((self.depth.interpolation(u, TANH_K) - self.missing) / (1.0 - 2.0 * self.missing)).clamp(0.0, 1.0)
     }
 }
 

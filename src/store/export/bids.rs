@@ -398,7 +398,7 @@ fn write_stimuli(
     files.par_iter().try_for_each(|(name, (recipe, quantizer))| {
         let path = folder.join(name);
         signals::check(&path)?;
-        write_file(&path, &image::recipe_png(&path, recipe, quantizer, image::Finish::Codes)?)
+        write_file(&path, &image::recipe_png(&path, recipe, quantizer)?)
     })?;
     Ok((Stimuli(shown), files.len()))
 }

@@ -10,7 +10,7 @@ use crate::{
     light::{CodeImage, Transfer, TransferTable, Transfers},
     store::{FileErrors, StoreError, error::io},
     system::{entries, found},
-    vision,
+    vision::SRGB_WEIGHTS,
 };
 
 /// Maximum number of pixels of a picture, unless the user allows more. A 4K screen has 8.3 million.
@@ -41,22 +41,21 @@ pub struct Picture {
 pub const ASSUMED: &str = "sRGB is assumed, because nothing says what the codes mean";
 
 impl Picture {
-    /// Returns the luminance of full red, green and blue of sRGB.
-    pub fn srgb_weights() -> [f64; 3] {
-        [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(vision::luminance)
-    }
-
-    /// True if primaries of these luminances are the same but for rounding.
-    pub fn are_alike(weights: [f64; 3], others: [f64; 3]) -> bool {
-        weights.iter().zip(others).all(|(own, other)| (own - other).abs() <= 1e-3)
-    }
-
     /// Returns codes whose meaning the user knows.
     pub fn given(codes: CodeImage, transfers: Transfers) -> Picture {
         let bits = codes.bits();
-        let weights = Picture::srgb_weights();
-        Picture { codes, transfers, weights, origin: "as asked", bits, significant_bits: bits }
+        Picture { codes, transfers, weights: SRGB_WEIGHTS, origin: "as asked", bits, significant_bits: bits }
     }
+
+    /// True if the primaries are sRGB's but for rounding.
+    pub fn is_srgb(&self) -> bool {
+        are_srgb(self.weights)
+    }
+}
+
+/// True if primaries of these luminances are sRGB's but for rounding.
+fn are_srgb(weights: [f64; 3]) -> bool {
+    weights.iter().zip(SRGB_WEIGHTS).all(|(own, srgb)| (own - srgb).abs() <= 1e-3)
 }
 
 /// The luminance under D65 of the XYZ that a profile has under D50: a row of the inverse of Bradford's adaptation.
@@ -146,7 +145,6 @@ fn orientation(exif: &[u8]) -> Option<usize> {
 
 /// Returns what a file says about its codes.
 fn declared(info: &Info<'_>) -> Result<(Transfers, [f64; 3], &'static str), String> {
-    let srgb = Picture::srgb_weights();
     if let Some(points) = info.coding_independent_code_points {
         return Err(format!(
             "has a cICP chunk (primaries {}, transfer {}), which is not supported and comes before all others; expected a file without it, or --transfer",
@@ -159,12 +157,12 @@ fn declared(info: &Info<'_>) -> Result<(Transfers, [f64; 3], &'static str), Stri
         return Ok((transfers, weights, "by the file's iCCP chunk"));
     }
     if info.srgb.is_some() {
-        return Ok((Transfer::Srgb.into(), srgb, "by the file's sRGB chunk"));
+        return Ok((Transfer::Srgb.into(), SRGB_WEIGHTS, "by the file's sRGB chunk"));
     }
     let primaries = info.chrm_chunk.map(of_primaries).transpose()?;
     // What is sRGB's but for rounding is sRGB's.
-    let own = primaries.filter(|own| !Picture::are_alike(*own, srgb));
-    let weights = own.unwrap_or(srgb);
+    let own = primaries.filter(|own| !are_srgb(*own));
+    let weights = own.unwrap_or(SRGB_WEIGHTS);
     let Some(gamma) = info.gama_chunk else {
         let origin = if primaries.is_some() { "by the file's cHRM chunk (with sRGB's curve)" } else { ASSUMED };
         return Ok((Transfer::Srgb.into(), weights, origin));
@@ -233,7 +231,7 @@ fn of_profile(profile: &[u8], is_gray: bool) -> Result<(Transfers, [f64; 3]), St
         ));
     }
     if is_gray {
-        return Ok((curve(&read.gray_trc)?.into(), Picture::srgb_weights()));
+        return Ok((curve(&read.gray_trc)?.into(), SRGB_WEIGHTS));
     }
     if read.color_space != moxcms::DataColorSpace::Rgb || read.lut_a_to_b_colorimetric.is_some() {
         return Err(fail("of another kind"));

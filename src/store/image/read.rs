@@ -7,10 +7,10 @@ use std::{
 
 use png::{BitDepth, ColorType, Decoder, DecodingError, Info, Limits, Transformations};
 
-use super::write::{Finish, HALFTONE_KEYWORD, KEYWORD, PALETTE_KEYWORD, SHADED_KEYWORD, recipe_png};
+use super::write::{KEYWORD, SHADED_KEYWORD, recipe_png};
 use crate::{
     light::{CodeImage, Samples, Transfer},
-    stimulus::recipe::{MAX_SIZE, Recipe},
+    stimulus::recipe::{Finish, MAX_SIZE, Recipe},
     store::{FileErrors, StoreError, file::read_bytes, open::open_regular},
     system::unless_missing,
 };
@@ -148,20 +148,15 @@ pub(crate) fn recipe_text(path: &Path) -> std::io::Result<Option<String>> {
     }
 }
 
-/// Returns the valid recipe in the header of an image, and what became of its codes.
-fn recipe_of(info: &Info<'_>) -> Result<(Recipe, Finish), String> {
+/// Returns the valid recipe in the header of an image.
+fn recipe_of(info: &Info<'_>) -> Result<Recipe, String> {
     let recipe =
         text(info, KEYWORD).ok_or("has no text chunk `machband`; expected an image that machband wrote".to_owned())?;
     let recipe: Recipe = serde_json::from_str(&recipe)
         .map_err(|error| format!("its text chunk `machband` cannot be read: {error}; expected a recipe"))?;
     let joined = |errors: Vec<_>| errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ");
     recipe.stimulus.validate().map_err(joined)?;
-    let finish = match (text(info, PALETTE_KEYWORD), text(info, HALFTONE_KEYWORD)) {
-        (Some(palette), _) => Finish::Palette(palette.parse()?),
-        (None, Some(halftone)) => Finish::Halftone(halftone.parse()?),
-        (None, None) => Finish::Codes,
-    };
-    Ok((recipe, finish))
+    Ok(recipe)
 }
 
 /// Verifies an image of at most `pixels` pixels by re-rendering its recipe and comparing every code. Returns a sentence
@@ -187,25 +182,25 @@ pub fn verify_content(name: &str, content: &[u8], pixels: u64) -> Result<String,
         }
         recipe_of(info).map(drop)
     })?;
-    let (recipe, finish) = recipe_of(&info).map_err(fail)?;
-    let (width, height, side) = (image.width, image.height, finish.side(&recipe));
+    let recipe = recipe_of(&info).map_err(fail)?;
+    let (width, height, side) = (image.width, image.height, recipe.side());
     if (width, height) != (side, side) {
         return Err(fail(format!("has {width} × {height} pixels; expected {side} per side, according to its recipe")));
     }
-    let made = recipe_png(Path::new(name), &recipe, &recipe.quantizer(), finish)?;
+    let made = recipe_png(Path::new(name), &recipe, &recipe.quantizer())?;
     let (expected, _) = decode(name, &made, u64::MAX, false, |_| Ok(()))?;
     if image != expected {
         return Err(fail("has other codes than its recipe makes; expected an image that nobody changed".to_owned()));
     }
-    let Recipe { stimulus, size, bits, dither, transfers, .. } = &recipe;
+    let Recipe { stimulus, size, bits, dither, transfers, finish, .. } = &recipe;
     let transfer = match transfers.uniform() {
         Some(Transfer::Table(_)) => "measured table".to_owned(),
         _ => transfers.to_string(),
     };
     let finish = match finish {
-        Finish::Codes => String::new(),
-        Finish::Palette(reduction) => format!(", palette {reduction}"),
-        Finish::Halftone(screen) => format!(", halftone {screen}"),
+        None => String::new(),
+        Some(Finish::Palette(reduction)) => format!(", palette {reduction}"),
+        Some(Finish::Halftone(screen)) => format!(", halftone {screen}"),
     };
     let kind = stimulus.kind();
     Ok(format!(

@@ -3,21 +3,13 @@
 use std::{borrow::Cow, path::Path};
 
 use crate::{
-    light::{
-        CodeImage, Quantizer, Samples, Transfer, Transfers,
-        halftone::{Halftone, MAX_PX, Screen},
-        palette::{Reduction, reduce},
-    },
-    stimulus::recipe::Recipe,
+    light::{CodeImage, Quantizer, Samples, Transfer, Transfers, dither::enlarged, palette::reduce},
+    stimulus::recipe::{Finish, MAX_SIZE, Recipe},
     store::{FileErrors, StoreError, Writer, error::io, file::sha256},
 };
 
 /// Keyword of the text chunk that holds the recipe as JSON.
 pub(super) const KEYWORD: &str = "machband";
-/// Keyword of the text chunk that names the palette, if there is one.
-pub(super) const PALETTE_KEYWORD: &str = "machband-palette";
-/// Keyword of the text chunk that names the halftone, if there is one.
-pub(super) const HALFTONE_KEYWORD: &str = "machband-halftone";
 /// Keyword of the text chunk that holds the parameters of a shaded mesh as JSON.
 pub(super) const SHADED_KEYWORD: &str = "machband-shading";
 /// Chromaticities of D65 and of the sRGB primaries (IEC 61966-2-1), in hundred-thousandths as PNG requires.
@@ -30,53 +22,34 @@ const PROFILE_DATE: std::ops::Range<usize> = 24..36;
 /// Renders a recipe and writes it as a PNG.
 ///
 /// # Errors
-/// The same errors as [`Writer::write`].
+/// The same errors as [`recipe_png`] and [`Writer::write`].
 pub fn write_recipe(writer: &Writer, path: &Path, recipe: &Recipe, quantizer: &Quantizer) -> Result<(), StoreError> {
-    writer.write(path, &recipe_png(path, recipe, quantizer, Finish::Codes)?)
-}
-
-/// What becomes of the codes of a recipe.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Finish {
-    Codes,
-    /// They are reduced to a palette, in an indexed PNG.
-    Palette(Reduction),
-    /// Each pixel is drawn as a cell of dots, for a device with few codes.
-    Halftone(Screen),
-}
-
-impl Finish {
-    /// Returns the side of the image of this recipe, pixels.
-    pub(super) fn side(self, recipe: &Recipe) -> u32 {
-        if let Self::Halftone(screen) = self { recipe.size.saturating_mul(screen.matrix.size()) } else { recipe.size }
-    }
+    writer.write(path, &recipe_png(path, recipe, quantizer)?)
 }
 
 /// Renders a recipe as the content of the PNG file at `path`.
 ///
 /// # Errors
-/// The image is too large for a PNG, or a halftone would have more than [`MAX_PX`] pixels on a side; or the recipe has 16
+/// The image is too large for a PNG, or a halftone would have more than [`MAX_SIZE`] pixels on a side; or the recipe has 16
 /// bits, which a palette cannot have.
-pub fn recipe_png(path: &Path, recipe: &Recipe, quantizer: &Quantizer, finish: Finish) -> Result<Vec<u8>, StoreError> {
-    let (transfers, mut texts) = (&recipe.transfers, vec![(KEYWORD, describe(recipe))]);
-    let png = match finish {
-        Finish::Codes => encode(&recipe.codes(quantizer), transfers, &texts),
-        Finish::Palette(reduction) => {
+pub fn recipe_png(path: &Path, recipe: &Recipe, quantizer: &Quantizer) -> Result<Vec<u8>, StoreError> {
+    let (transfers, texts) = (&recipe.transfers, [(KEYWORD, describe(recipe))]);
+    let png = match recipe.finish {
+        None => encode(&recipe.codes(quantizer), transfers, &texts),
+        Some(Finish::Palette(reduction)) => {
             let image = reduce(&recipe.codes(quantizer), transfers, reduction).map_err(|error| failed(path, error))?;
             let mut info = png::Info::with_size(recipe.size, recipe.size);
             info.color_type = png::ColorType::Indexed;
             info.palette = Some(Cow::Owned(image.palette.concat()));
-            texts.push((PALETTE_KEYWORD, reduction.to_string()));
             with_meaning(info, transfers, false, &texts, &image.indices)
         }
-        Finish::Halftone(screen) => {
-            let side = finish.side(recipe);
-            if side > MAX_PX {
-                let message = format!("the halftone {screen} has {side} pixels on a side; expected at most {MAX_PX}");
+        Some(Finish::Halftone(screen)) => {
+            let side = recipe.side();
+            if side > MAX_SIZE {
+                let message = format!("the halftone {screen} has {side} pixels on a side; expected at most {MAX_SIZE}");
                 return Err(FileErrors::whole(path, message).into());
             }
-            texts.push((HALFTONE_KEYWORD, screen.to_string()));
-            encode(&Halftone::new(screen, transfers).enlarged(&recipe.linear()), transfers, &texts)
+            encode(&enlarged(&recipe.linear(), screen, transfers), transfers, &texts)
         }
     };
     png.map_err(|error| failed(path, error))

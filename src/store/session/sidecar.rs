@@ -467,6 +467,7 @@ impl Pictures {
             dither: Dither::None,
             seed: 0,
             display_sha256,
+            finish: None,
         };
         Self { recipe, sha256: BTreeMap::new(), others: Vec::new() }
     }

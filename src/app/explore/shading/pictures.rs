@@ -73,7 +73,7 @@ impl Pictures {
             return before;
         }
         let frame = compared.scene.frame(surface, size[0], size[1]);
-        let quantizer = Quantizer::new(transfers.clone(), Bits::Eight);
+        let quantizer = Quantizer::new(transfers, Bits::Eight);
         let sides = compared.sides.map(|side| Picture::new(ctx, quantizer.quantize(&image(&frame, &side))));
         let (compared, transfers) = (compared.clone(), transfers.clone());
         Pictures { compared, transfers, surface: surface.clone(), edition, frame, sides }
