@@ -25,8 +25,7 @@ pub mod shaders;
 
 pub use draw::{Body, Composition, image};
 pub use frame::{
-    Fan, Field, Frame, FrameTriangle, FrameVertex, Highlight, Mirrors, Neighbor, Patches, Scene, View, coverage,
-    number_or_inf,
+    Fan, Field, Frame, FrameTriangle, FrameVertex, Highlight, Mirrors, Patches, Scene, Side, View, coverage,
 };
 pub use lighting::{Lamp, LampPosition, Lighting, Material, Refraction, Specular, Transmits, Transparency};
 pub use measure::{self as crease, Creases, EdgeCrease, Truth};

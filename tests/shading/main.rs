@@ -16,7 +16,7 @@ use std::collections::HashMap;
 use glam::{DMat3, DVec2, DVec3};
 use machband::{
     light::{Depth, LinearImage},
-    shading::{Fan, Frame, FrameTriangle, FrameVertex, Lighting, Neighbor, Scene, Shade, Shader, View},
+    shading::{Fan, Frame, FrameTriangle, FrameVertex, Lighting, Scene, Shade, Shader, Side, View},
 };
 
 /// Makes a vertex at `screen` that faces the eye and has the light `light`.
@@ -43,7 +43,7 @@ fn joined(vertices: Vec<FrameVertex>, triangles: &[[u32; 3]], lighting: Lighting
         let (a, b) = ends(t, k);
         let others: Vec<_> = sides[&[a.min(b), a.max(b)]].iter().filter(|side| side.0 != t).collect();
         match others[..] {
-            [&(u, l)] if ends(u, l) == (b, a) => Some(Neighbor { triangle: u as u32, apex: triangles[u][l] }),
+            [&(u, l)] if ends(u, l) == (b, a) => Some(Side { triangle: u as u32, corner: l as u32 }),
             _ => None,
         }
     };

@@ -1,7 +1,6 @@
 //! A scene described by a few numbers that commands, definitions, and the window can set.
 
 use glam::DVec3;
-use serde::{Serialize, Serializer};
 
 use super::projected::{Frame, View};
 use crate::{
@@ -13,7 +12,7 @@ use crate::{
 };
 
 /// The small mirrors of a highlight, Shoaff §3.8.1.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Mirrors {
     /// m, the root mean square slope; `None` makes the highlight as sharp as Blinn's, √(2/(shininess + 2)).
     pub slope: Option<f64>,
@@ -59,7 +58,7 @@ impl Highlight {
 }
 
 /// A surface of one color, rotated and lit by one lamp.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scene {
     /// Rotation in degrees about x, then y, then z; see [`View::rotated`].
     pub rotate_deg: [f64; 3],
@@ -84,13 +83,7 @@ pub struct Scene {
     /// The share of the window's smaller side that the bounding sphere fills.
     pub fill: f64,
     /// Distance of the eye in radii of the bounding sphere; infinite for a parallel projection.
-    #[serde(serialize_with = "number_or_inf")]
     pub distance: f64,
-}
-
-/// Writes a number that may be infinite, which JSON's cannot be.
-pub fn number_or_inf<S: Serializer>(number: &f64, serializer: S) -> Result<S::Ok, S::Error> {
-    if number.is_finite() { serializer.serialize_f64(*number) } else { serializer.serialize_str("inf") }
 }
 
 impl Default for Scene {

@@ -10,7 +10,7 @@ use delaunator::{Point, triangulate};
 use glam::{DVec2, DVec3};
 
 use super::{
-    build::Polygons,
+    build::{Corner, Polygons},
     smooth::{FILLET, HALF_HEIGHT, Smooth, TUBE, blob_radius, terrain_height},
     triangles::Mesh,
 };
@@ -49,11 +49,6 @@ impl Shape {
     /// True if the number of vertices can be chosen. It is fixed for the cube and the pyramid.
     pub const fn has_vertices(self) -> bool {
         !matches!(self, Shape::Cube | Shape::Pyramid)
-    }
-
-    /// Says that there is neither a shape nor a file of this name.
-    pub fn missing(name: &str) -> String {
-        format!("{name:?} is not known; expected {}, or an OBJ, PLY, glTF or GLB file", Shape::EXPECTED)
     }
 
     /// The fewest vertices that the shape can have.
@@ -109,7 +104,7 @@ pub fn cube() -> Mesh {
         .map(|i| DVec3::new(f64::from(i & 1), f64::from((i >> 1) & 1), f64::from((i >> 2) & 1)) * 2.0 - DVec3::ONE)
         .collect();
     let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-    solid(&positions, &Polygons::new(faces.iter().map(|face| &face[..])))
+    solid(&Polygons::new(positions, faces.iter().map(|face| &face[..])))
 }
 
 /// Makes Shoaff's truncated pyramid (§4.1), closed by a base: V1…V8 are sites 0…7, with 12 triangles.
@@ -122,19 +117,14 @@ pub fn pyramid() -> Mesh {
         [(-half, -half), (half, -half), (half, half), (-half, half)].map(|(x, y)| DVec3::new(x, y, z))
     };
     let positions = [square(1.0, 1.0), square(2.0, 0.0)].concat();
-    let mut polygons = Polygons::default();
-    for face in [[0, 1, 2, 3], [4, 5, 1, 0], [5, 6, 2, 1], [6, 7, 3, 2], [7, 4, 0, 3], [7, 6, 5, 4]] {
-        polygons.push(face.map(|site: u32| {
-            let p = positions[site as usize];
-            let outward = DVec3::new(p.x.signum(), p.y.signum(), if p.z > 0.0 { 3.0 } else { 1.0 });
-            (site, Some(outward.normalize()))
-        }));
-    }
-    solid(&positions, &polygons)
+    let faces = [[0, 1, 2, 3], [4, 5, 1, 0], [5, 6, 2, 1], [6, 7, 3, 2], [7, 4, 0, 3], [7, 6, 5, 4]];
+    let outward = |p: &DVec3| DVec3::new(p.x.signum(), p.y.signum(), if p.z > 0.0 { 3.0 } else { 1.0 });
+    let normals = positions.iter().map(|p| Some(outward(p).normalize())).collect();
+    solid(&Polygons { normals, ..Polygons::new(positions, faces.iter().map(|face| &face[..])) })
 }
 
-fn solid(positions: &[DVec3], polygons: &Polygons) -> Mesh {
-    Mesh::from_polygons(positions, polygons, 180.0).expect("a solid is a mesh")
+fn solid(polygons: &Polygons) -> Mesh {
+    polygons.mesh(180.0).expect("a solid is a mesh")
 }
 
 /// Makes the unit sphere: an icosahedron whose edges are cut into s = `subdivisions` parts (at least 1) and whose
@@ -322,14 +312,13 @@ fn cylinder(sides: usize, is_filleted: bool) -> Mesh {
         return round(&positions, &triangles, Smooth::Cylinder { fillet: FILLET });
     }
     let (positions, triangles) = turned(&rings(0.0, 0), sides, None);
-    let mut polygons = Polygons::default();
-    for corners in triangles {
-        polygons.push(corners.map(|site| (site, Some(positions[site as usize].truncate().normalize().extend(0.0)))));
-    }
-    let sides = sides as u32;
-    polygons.push((0..sides).map(|side| (side, Some(DVec3::Z))));
-    polygons.push((0..sides).rev().map(|side| (sides + side, Some(DVec3::NEG_Z))));
-    Mesh { smooth: Some(Smooth::Cylinder { fillet: 0.0 }), ..solid(&positions, &polygons) }
+    let mut polygons = Polygons::new(positions, triangles.iter().map(|corners| &corners[..]));
+    let outward = |p: &DVec3| Some(p.truncate().normalize().extend(0.0));
+    polygons.normals = polygons.positions.iter().map(outward).chain([Some(DVec3::Z), Some(DVec3::NEG_Z)]).collect();
+    let (sides, top, bottom) = (sides as u32, 2 * sides as u32, 2 * sides as u32 + 1);
+    polygons.push((0..sides).map(|side| Corner { normal: Some(top), ..Corner::of(side) }));
+    polygons.push((0..sides).rev().map(|side| Corner { normal: Some(bottom), ..Corner::of(sides + side) }));
+    Mesh { smooth: Some(Smooth::Cylinder { fillet: 0.0 }), ..solid(&polygons) }
 }
 
 /// Makes hills over a square of `cells` × `cells` cells with two triangles each.

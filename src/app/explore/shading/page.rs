@@ -8,7 +8,7 @@ use super::{
     canvas::{self, ViewSettings},
     comparison::{Comparison, MeshChoice, title},
     controls,
-    pictures::{Measured, Picture, Pictures, SHORTER_SIDE_DEG, Scan, divided, visible},
+    pictures::{Measured, Picture, Pictures, Scan, divided, visible},
 };
 use crate::{
     app::ui::{
@@ -19,6 +19,7 @@ use crate::{
     display::DisplayProfile,
     report::document::numbers::whole,
     shading::{Surface, crease},
+    stimulus::ViewingConditions,
     store,
 };
 
@@ -95,8 +96,8 @@ impl ShadingPage {
         self.history.show(ui, &mut self.compared, Comparison::default());
         if self.compared.mesh != mesh {
             // The field has the mesh that came back.
-            let path = if let MeshChoice::File(path) = &self.compared.mesh { path.clone() } else { String::new() };
-            self.file = FileField { path, ..FileField::default() };
+            let file = self.compared.mesh.shape().is_none().then(|| self.compared.mesh.name.display().to_string());
+            self.file = FileField { path: file.unwrap_or_default(), ..FileField::default() };
         }
         for (which, side) in self.compared.sides.iter_mut().enumerate() {
             ui.separator();
@@ -126,7 +127,8 @@ impl ShadingPage {
             open = true;
         }
         if open {
-            self.load(ui.ctx(), MeshChoice::File(self.file.path.trim().to_owned()));
+            let name = self.file.path.trim().into();
+            self.load(ui.ctx(), MeshChoice { name, ..self.compared.mesh });
         }
         // The error has the same room before there is one.
         text::two_lines(ui, self.file.error.as_deref().unwrap_or_default(), ink(ui).bad, 2);
@@ -135,19 +137,19 @@ impl ShadingPage {
     /// Shows another mesh. If it cannot be created, the current mesh stays.
     fn load(&mut self, ctx: &egui::Context, choice: MeshChoice) {
         self.file.error = match choice.mesh() {
-            Ok((mesh, note)) => {
-                if let Some(note) = note {
+            Ok(file) => {
+                if let Some(note) = file.note(&choice.name) {
                     say(ctx, note);
                 }
                 self.compared.mesh = choice.clone();
-                self.surface = Some((choice, Arc::new(Surface::new(mesh))));
+                self.surface = Some((choice, Arc::new(Surface::new(file.mesh))));
                 None
             }
             Err(error) => {
                 if let Some((valid, _)) = &self.surface {
                     self.compared.mesh.clone_from(valid);
                 }
-                Some(error)
+                Some(error.to_string())
             }
         };
     }
@@ -171,9 +173,11 @@ impl ShadingPage {
         let mut lower = ui.new_child(UiBuilder::new().max_rect(lower));
         if let Some(pictures) = &self.pictures {
             let triangles = whole(pictures.frame.triangles.len() as u64);
-            let told =
-                format!("Predicted for a shorter side of {SHORTER_SIDE_DEG}°. {triangles} triangles face the viewer.");
-            hint(&mut lower, told);
+            let side = ViewingConditions::WINDOW_DEG;
+            hint(
+                &mut lower,
+                format!("Predicted for a shorter side of {side}°. {triangles} triangles face the viewer."),
+            );
         }
         if let Some(scan) = self.scan.last().filter(|_| self.settings.scan) {
             scan.show(&mut lower, &titles);

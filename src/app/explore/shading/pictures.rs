@@ -91,9 +91,7 @@ pub fn divided([left, right]: [&CodeImage; 2], column: u32) -> CodeImage {
 
 /// Side of the square image used for predictions, pixels, which shows the whole mesh: the prediction does not depend on the
 /// room for the picture. A larger image would take longer and change it little.
-const SIDE_PX: u32 = 512;
-/// Assumed size of the shorter side of the picture, degrees.
-pub const SHORTER_SIDE_DEG: f64 = 10.0;
+const SIDE_PX: u32 = ViewingConditions::PICTURE_PX;
 
 /// How visible the difference of both sides from the smooth surface is.
 pub struct Measured {
@@ -115,7 +113,7 @@ pub fn visible(
     size: [u32; 2],
 ) -> Result<Measured, String> {
     let frame = compared.scene.frame(surface, SIDE_PX, SIDE_PX).unpainted();
-    let viewing = ViewingConditions::new(SHORTER_SIDE_DEG);
+    let viewing = ViewingConditions::new(ViewingConditions::WINDOW_DEG);
     let judged = Judged::known(&frame);
     let judge = |side: &Shade| {
         let found = judged.difference(&viewing, &emitted(&frame, side));
