@@ -62,10 +62,10 @@ pub(super) struct Side {
 
 impl Polygons {
     /// Makes polygons from the sites of their corners, without normals.
-    pub fn new<'a>(positions: Vec<DVec3>, polygons: impl IntoIterator<Item = &'a [u32]>) -> Polygons {
+    pub fn new<P: AsRef<[u32]>>(positions: Vec<DVec3>, polygons: &[P]) -> Polygons {
         let mut all = Polygons { positions, ..Polygons::default() };
         for sites in polygons {
-            all.push(sites.iter().map(|site| Corner::of(*site)));
+            all.push(sites.as_ref().iter().map(|site| Corner::of(*site)));
         }
         all
     }
@@ -246,7 +246,7 @@ impl Mesh {
     /// # Errors
     /// The same errors as [`Polygons::mesh`].
     pub fn new(positions: &[DVec3], triangles: &[[u32; 3]], crease_deg: f64) -> Result<Mesh, String> {
-        Polygons::new(positions.to_vec(), triangles.iter().map(|t| &t[..])).mesh(crease_deg)
+        Polygons::new(positions.to_vec(), triangles).mesh(crease_deg)
     }
 }
 
