@@ -241,7 +241,8 @@ fn body(table: &MeshTable, mesh: Mesh) -> Body {
             diffuse: table.diffuse,
             specular: table.specular,
             shininess: table.shininess,
-            specular_model: table.highlight.model(table.shininess, mirrors),
+            highlight: table.highlight,
+            facets: mirrors.facets(table.highlight, table.shininess),
         },
         transparency: Transparency {
             kind: table.transparency,

@@ -28,7 +28,6 @@ use crate::{
         mesh::{MeshError, MeshFile, shape_of},
         scene::SceneFile,
     },
-    system::checkpoint,
     text::{
         names::one_of,
         number::{whole, within},
@@ -483,12 +482,7 @@ fn non_manifold(name: &dyn Display, surface: &Surface) -> Option<String> {
 
 /// Says how many pixels are brighter than white, if any.
 fn clipped(image: &LinearImage) -> Option<String> {
-    let is_clipped = |pixel: &&[f32]| pixel.iter().any(|light| *light > 1.0);
-    let of_rows = |rows: &[f32]| {
-        checkpoint();
-        rows.chunks_exact(3).filter(is_clipped).count()
-    };
-    let clipped: usize = image.data.par_chunks(3 << 16).map(of_rows).sum();
+    let clipped = image.data.par_chunks_exact(3).filter(|pixel| pixel.iter().any(|light| *light > 1.0)).count();
     let pixels = count(clipped as u64, "pixel");
     (clipped > 0).then(|| format!("light above white is clipped, which creates edges ({pixels})"))
 }

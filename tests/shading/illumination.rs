@@ -4,18 +4,18 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 use machband::shading::lighting::Microfacets;
-use machband::shading::{Lamp, LampPosition, Lighting, Material, Refraction, Specular};
+use machband::shading::{Highlight, Lamp, LampPosition, Lighting, Material, Refraction};
 use proptest::prelude::*;
 
 use crate::common::golden;
 
 const GLASS: Microfacets = Microfacets { c1: None, slope: 0.3, index: DVec3::new(1.5, 1.8, 2.2) };
 const DULL: Microfacets = Microfacets { c1: Some(1.7), ..GLASS };
-const MODELS: [(&str, Specular); 4] = [
-    ("phong", Specular::Phong),
-    ("blinn", Specular::Blinn),
-    ("gaussian", Specular::CookTorrance(DULL)),
-    ("beckmann", Specular::CookTorrance(GLASS)),
+const MODELS: [(&str, Highlight, Microfacets); 4] = [
+    ("phong", Highlight::Phong, GLASS),
+    ("blinn", Highlight::Blinn, GLASS),
+    ("gaussian", Highlight::TorranceSparrow, DULL),
+    ("beckmann", Highlight::CookTorrance, GLASS),
 ];
 
 fn vectors(numbers: &[f64]) -> Vec<DVec3> {
@@ -23,7 +23,8 @@ fn vectors(numbers: &[f64]) -> Vec<DVec3> {
 }
 
 /// The scene of scripts/golden_shading.py.
-fn scene(specular_model: Specular) -> Lighting {
+fn scene(name: &str) -> Lighting {
+    let (_, highlight, facets) = MODELS.into_iter().find(|(known, ..)| *known == name).unwrap();
     let material = Material {
         color: DVec3::new(0.9, 0.5, 0.1),
         specular_color: DVec3::new(0.8, 1.0, 0.6),
@@ -31,7 +32,8 @@ fn scene(specular_model: Specular) -> Lighting {
         diffuse: 0.55,
         specular: 0.4,
         shininess: 12.5,
-        specular_model,
+        highlight,
+        facets,
     };
     let lamp = |position, r, g, b| Lamp { position, intensity: DVec3::new(r, g, b) };
     let point = |x, y, z, attenuation| LampPosition::Point { position: DVec3::new(x, y, z), attenuation };
@@ -41,10 +43,6 @@ fn scene(specular_model: Specular) -> Lighting {
         lamp(point(-0.25, 0.5, 0.75, [0.1, 0.2, 0.3]), 0.2, 2.0, 0.3),
     ];
     Lighting { material, ambient: DVec3::new(0.3, 0.5, 0.7), lamps }
-}
-
-fn model(name: &str) -> Specular {
-    MODELS.iter().find(|(known, _)| *known == name).unwrap().1
 }
 
 /// Makes a unit vector from two numbers within 0…1; all directions are equally likely.
@@ -76,7 +74,7 @@ fn whole_model_agrees_with_python() {
     assert_eq!(rows.len(), 80);
     for (name, numbers) in rows {
         let v = vectors(&numbers);
-        let light = scene(model(&name)).light(v[0], v[1], v[2]);
+        let light = scene(&name).light(v[0], v[1], v[2]);
         assert!((light - v[3]).abs().max_element() < 1e-12, "{name} {numbers:?}: {light}");
     }
 }

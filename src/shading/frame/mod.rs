@@ -9,4 +9,4 @@ mod scene;
 pub use coverage::Outline;
 pub use patches::{Field, Patches};
 pub use projected::{Fan, Frame, FrameTriangle, FrameVertex, Side, View};
-pub use scene::{Highlight, Mirrors, Scene};
+pub use scene::{Mirrors, Scene};
