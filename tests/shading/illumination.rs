@@ -7,7 +7,7 @@ use machband::shading::lighting::Microfacets;
 use machband::shading::{Highlight, Lamp, LampPosition, Lighting, Material, Refraction};
 use proptest::prelude::*;
 
-use crate::common::golden;
+use crate::{golden, numbers};
 
 const GLASS: Microfacets = Microfacets { c1: None, slope: 0.3, index: DVec3::new(1.5, 1.8, 2.2) };
 const DULL: Microfacets = Microfacets { c1: Some(1.7), ..GLASS };
@@ -17,6 +17,11 @@ const MODELS: [(&str, Highlight, Microfacets); 4] = [
     ("gaussian", Highlight::TorranceSparrow, DULL),
     ("beckmann", Highlight::CookTorrance, GLASS),
 ];
+
+/// Returns the model and the numbers of a row.
+fn named<'a>(row: &[&'a str]) -> (&'a str, Vec<f64>) {
+    (row[0], numbers(&row[1..]))
+}
 
 fn vectors(numbers: &[f64]) -> Vec<DVec3> {
     numbers.chunks_exact(3).map(DVec3::from_slice).collect()
@@ -57,9 +62,9 @@ fn directions() -> impl Strategy<Value = DVec3> {
 
 #[test]
 fn highlights_of_microfacets_agree_with_python() {
-    let rows = golden("illumination.csv");
+    let rows = golden("highlight");
     assert_eq!(rows.len(), 192);
-    for (name, numbers) in rows {
+    for (name, numbers) in rows.iter().map(|row| named(row)) {
         let c1 = (name == "gaussian").then(|| numbers[1]);
         let v = vectors(&numbers[2..]);
         let highlight = Microfacets { c1, slope: numbers[0], index: v[0] }.highlight(v[1], v[2], v[3]);
@@ -70,11 +75,11 @@ fn highlights_of_microfacets_agree_with_python() {
 
 #[test]
 fn whole_model_agrees_with_python() {
-    let rows = golden("illumination_scene.csv");
+    let rows = golden("scene");
     assert_eq!(rows.len(), 80);
-    for (name, numbers) in rows {
+    for (name, numbers) in rows.iter().map(|row| named(row)) {
         let v = vectors(&numbers);
-        let light = scene(&name).light(v[0], v[1], v[2]);
+        let light = scene(name).light(v[0], v[1], v[2]);
         assert!((light - v[3]).abs().max_element() < 1e-12, "{name} {numbers:?}: {light}");
     }
 }

@@ -107,6 +107,16 @@ fn apart(a: &LinearImage, b: &LinearImage) -> f32 {
     a.data.iter().zip(&b.data).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
 }
 
+/// Returns the rows of one kind in `golden/shading.csv`, which says what their fields are, without the kind.
+fn golden(kind: &str) -> Vec<Vec<&'static str>> {
+    let rows = include_str!("../golden/shading.csv").lines().map(|line| line.split(',').collect::<Vec<_>>());
+    rows.filter(|row| row[0] == kind).map(|row| row[1..].to_vec()).collect()
+}
+
+fn numbers(fields: &[&str]) -> Vec<f64> {
+    fields.iter().map(|field| field.parse().expect("a number")).collect()
+}
+
 /// Returns a number within 0…1 that depends only on `seed`: a hash of multiples of the golden ratio.
 fn random(seed: u64) -> f64 {
     let mut x = seed.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
