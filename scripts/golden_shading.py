@@ -1,11 +1,7 @@
 #!/usr/bin/env python3
 """Light reflected by lit surfaces, and values of the cubic of the patch shader, computed independently of the program.
 
-Usage: python3 scripts/golden_shading.py highlights > tests/golden/illumination.csv
-       python3 scripts/golden_shading.py scene > tests/golden/illumination_scene.csv
-       python3 scripts/golden_shading.py patch > tests/golden/patch.csv     # needs numpy and scipy
-
-Columns of the first two: n is the normal, l points toward the lamp, v toward the viewer, p is the position of the point; r,g,b is the result.
+Usage: python3 scripts/golden_shading.py > tests/golden/shading.csv     # needs numpy and scipy
 
 Plain Python that uses different methods from the program's: Fresnel reflectance from Snell's law and the two amplitudes,
 the distribution and geometry of microfacets from angles, and the mirror image of the lamp by rotation about the normal.
@@ -14,6 +10,9 @@ import math
 import platform
 import random
 import sys
+
+import numpy
+import scipy
 
 
 def dot(a, b):
@@ -71,7 +70,6 @@ def direction(rng, least_z):
 
 def highlights():
     rng = random.Random(1979)
-    print("model,slope,c1,index_r,index_g,index_b," + ",".join(f"{w}{i}" for w in "nlv" for i in "xyz") + ",r,g,b")
     for model in ("gaussian", "beckmann"):
         for slope in (0.05, 0.1, 0.2, 0.35, 0.6, 1.0):
             for indices in ((1.33, 1.5, 2.4), (0.2, 0.8, 25.0)):
@@ -83,7 +81,7 @@ def highlights():
                     n = unit([a + rng.gauss(0, slope) for a in unit(h)])
                     c1 = rng.uniform(0.5, 3)
                     row = (slope, c1, *indices, *n, *l, *v, *cook_torrance(model, slope, c1, indices, n, l, v))
-                    print(model, *map(repr, row), sep=",")
+                    print("highlight", model, *map(repr, row), sep=",")
 
 
 # The scene. The tests contain the same scene.
@@ -129,13 +127,12 @@ def light(model, position, n, v):
 
 def scene():
     rng = random.Random(2003)
-    print("model," + ",".join(f"{w}{i}" for w in "pnv" for i in "xyz") + ",r,g,b")
     for model in ("phong", "blinn", "gaussian", "beckmann"):
         for _ in range(20):
             v = direction(rng, 0.3)
             n = direction(rng, -0.2)
             position = [rng.uniform(-1, 1) for _ in range(3)]
-            print(model, *map(repr, (*position, *n, *v, *light(model, position, n, v))), sep=",")
+            print("scene", model, *map(repr, (*position, *n, *v, *light(model, position, n, v))), sep=",")
 
 
 def patch():
@@ -148,8 +145,6 @@ def patch():
     direction across the edges, the line between centroids; with `--scipy`, the script uses that direction and checks that
     its solution equals SciPy's.
     """
-    import numpy
-    import scipy
     from scipy.interpolate import CloughTocher2DInterpolator
 
     POINTS = 14
@@ -251,9 +246,6 @@ def patch():
 
 
     is_check = "--scipy" in sys.argv
-    print(f"# Reduced Clough-Tocher cubic with slopes that are linear across the perpendicular of each edge, solved as linear")
-    print(f"# equations with numpy {numpy.__version__} by scripts/golden_shading.py; points and triangles from scipy {scipy.__version__}. vertex: x, y,")
-    print("# light of r g b, gradient x y of r g b; triangle: three vertices; sample: triangle, two barycentric weights, light.")
     for place, light, gradient in zip(places, lights, gradients):
         line("vertex", *place.tolist(), *light.tolist(), *gradient.ravel().tolist())
     for triangle in triangles:
@@ -269,20 +261,16 @@ def patch():
         line("sample", t, *weights[:2].tolist(), *light)
 
 
-def main():
-    what = sys.argv[1] if len(sys.argv) > 1 else ""
-    if what == "patch":
-        return patch()
-    tables = {"highlights": highlights, "scene": scene}
-    if what not in tables:
-        sys.exit(__doc__)
-    version = platform.python_version()
-    print(f"# By scripts/golden_shading.py {what}, Python {version}.")
-    if what == "highlights":
-        print("# F D G / (pi N.V) of a microfacet surface for unit vectors N, L, V and indices of red, green, blue.")
-    else:
-        print("# Linear light of a point p with the normal n toward v, under the lamps that the script lists.")
-    tables[what]()
+HEAD = f"""\
+# By scripts/golden_shading.py, Python {platform.python_version()}, numpy {numpy.__version__}, points and triangles of the cubic from scipy {scipy.__version__}.
+# highlight: model, slope, c1, index of refraction of r g b, n, l, v, F D G / (pi N.V) of a microfacet surface for r g b.
+# scene: model, p, n, v, linear light of r g b of a point under the lamps that the script lists. n is the normal, l points
+# toward the lamp, v toward the viewer, p is the position of the point.
+# Reduced Clough-Tocher cubic with slopes that are linear across the perpendicular of each edge, solved as linear equations.
+# vertex: x, y, light of r g b, gradient x y of r g b; triangle: three vertices; sample: triangle, two barycentric weights,
+# light."""
 
-
-main()
+print(HEAD)
+highlights()
+scene()
+patch()

@@ -1,18 +1,54 @@
 // Joins the seams of shapes; draws in a browser without a window and holds the pixels against the pictures of `machband
 // shade`: at most 2 codes apart inside the outline, apart from one pixel in ten thousand, where one part may hide another;
-// and uses applyC1 as programs do. `npm test`; MACHBAND is the program.
+// and uses applyC1 as programs do. `npm test`; MACHBAND is the program and CHROMIUM the browser.
+//
+// `npm test -- --speed [rounds]` measures the cost instead, with SwiftShader, in one page whose draws alternate: C1 normals
+// over the material alone, with medians of frames that the page waits for; and, for 100,352 triangles, the time of JavaScript
+// for preparing them and for a frame in which they turn.
 
 import { execFileSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
+import { chromium } from "playwright-core";
 import { PNG } from "pngjs";
 import * as THREE from "three";
 import { RoundedBoxGeometry } from "three/addons/geometries/RoundedBoxGeometry.js";
 import { applyC1 } from "./index.js";
 import { welded } from "./ordinates.js";
-import { open } from "./page.mjs";
+
+// A page with three.js and applyC1.
+const PAGE = `<!doctype html>
+<link rel="icon" href="data:,">
+<script type="importmap">{ "imports": { "three": "/node_modules/three/build/three.module.js" } }</script>
+<script type="module">
+  import * as THREE from "three";
+  import { applyC1 } from "/index.js";
+  Object.assign(window, { THREE, applyC1 });
+</script>`;
+
+// Returns the page and what it complained about; close page.context().browser() at the end.
+async function open() {
+  const browser = await chromium.launch({
+    executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
+    args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--no-first-run",
+           "--disable-background-networking", "--disable-component-update", "--disable-sync", "--disable-quic"],
+  });
+  const page = await browser.newPage(), faults = [];
+  page.on("pageerror", (error) => faults.push(error.message));
+  // Drivers tell how long they take to give pixels back.
+  const matters = (message) => ["error", "warning"].includes(message.type()) && !message.text().includes("GPU stall");
+  page.on("console", (message) => matters(message) && faults.push(message.text()));
+  await page.route("http://c1.test/**", (route) => {
+    const { pathname } = new URL(route.request().url());
+    const file = () => ({ path: fileURLToPath(new URL(`.${pathname}`, import.meta.url)) });
+    return route.fulfill(pathname === "/" ? { contentType: "text/html", body: PAGE } : file());
+  });
+  await page.goto("http://c1.test/");
+  await page.waitForFunction("window.applyC1", null, { timeout: 60_000 });
+  return { page, faults };
+}
 
 const SIDE = 512, MOST = 2;
 const MACHBAND = process.env.MACHBAND ?? fileURLToPath(new URL("../../target/debug/machband", import.meta.url));
@@ -233,7 +269,62 @@ function codes({ positions, normals, index, shader, shine, gpu, side, distance }
   return Array.from({ length: side * side }, (_, i) => code(pixels[4 * i]));
 }
 
+// Runs in the page.
+async function measure(rounds) {
+  const { THREE, applyC1 } = window, renderer = new THREE.WebGLRenderer(), { info } = console, pixel = new Uint8Array(4);
+  console.info = () => {};
+  const median = (list) => list.sort((a, b) => a - b)[list.length >> 1];
+  const camera = new THREE.PerspectiveCamera(40, 1, 0.1, 100);
+  camera.position.z = 4;
+  const of = (around, along, kind) => {
+    const torus = new THREE.Mesh(new THREE.TorusGeometry(1, 0.4, along, around), new THREE[kind]({ color: 0xffffff }));
+    torus.rotation.set(0.4, -0.6, 0);
+    return new THREE.Scene().add(torus, new THREE.DirectionalLight(0xffffff, 3));
+  };
+  const rows = [];
+  for (const kind of ["MeshPhongMaterial", "MeshStandardMaterial"]) {
+    for (const [around, along, side] of [[28, 28, 1024], [70, 70, 512], [70, 70, 1024]]) {
+      const scenes = [of(around, along, kind), of(around, along, kind)], times = [[], []];
+      const target = new THREE.WebGLRenderTarget(side, side), { dispose } = applyC1(scenes[1]);
+      renderer.setRenderTarget(target);
+      for (let round = -2; round < rounds; round++) {
+        scenes.forEach((scene, i) => {
+          const start = performance.now();
+          for (let k = 0; k < 4; k++) renderer.render(scene, camera);
+          renderer.readRenderTargetPixels(target, 0, 0, 1, 1, pixel);
+          if (round >= 0) times[i].push((performance.now() - start) / 4);
+        });
+      }
+      dispose();
+      rows.push([kind, 2 * around * along, side, ...times.map(median)]);
+    }
+  }
+  const scene = of(224, 224, "MeshStandardMaterial"), before = performance.now();
+  applyC1(scene);
+  const prepared = performance.now() - before, frames = [];
+  renderer.setRenderTarget(new THREE.WebGLRenderTarget(512, 512));
+  for (let frame = 0; frame < 20; frame++) {
+    scene.children[0].rotation.x += 0.02;
+    const start = performance.now();
+    renderer.render(scene, camera);
+    frames.push(performance.now() - start);
+    renderer.readRenderTargetPixels(renderer.getRenderTarget(), 0, 0, 1, 1, pixel);
+  }
+  console.info = info;
+  return { rows, prepared, frame: median(frames) };
+}
+
 const { page, faults } = await open();
+if (process.argv[2] === "--speed") {
+  const { rows, prepared, frame } = await page.evaluate(measure, Number(process.argv[3] ?? 9));
+  console.log("| material | triangles, window | alone | C1 normals over it |\n|---|---|---:|---:|");
+  for (const [kind, triangles, side, alone, c1] of rows) {
+    console.log(`| ${kind} | ${triangles.toLocaleString("en")}, ${side} × ${side} | ${alone.toFixed(1)} ms | ${(c1 / alone).toFixed(2)} |`);
+  }
+  console.log(`100,352 triangles: ${prepared.toFixed(0)} ms to prepare, ${frame.toFixed(2)} ms of JavaScript for a frame that turns`);
+  await page.context().browser().close();
+  process.exit();
+}
 try {
   const jobs = [];
   for (const [name, geometry] of Object.entries(shapes)) {

@@ -121,14 +121,15 @@ fn summarize(shader: Shader, found: &Metrics) -> anyhow::Result<()> {
         None => "Gouraud has none".to_owned(),
     };
     let number = |value: f64| significant(value, value, value);
-    let steps = (found.step_rms > crease::NOISE).then(|| format!(", but steps of {} (rms)", number(found.step_rms)));
+    let steps = (found.creases.step_rms > crease::NOISE)
+        .then(|| format!(", but steps of {} (rms)", number(found.creases.step_rms)));
     // A few narrow triangles decide the root mean square.
     print_line(&format!(
         "{shader}: crease median {} per pixel over {}, {} (95 % of their length: at most {}, {}){}",
-        number(found.crease_median),
+        number(found.creases.median),
         count(found.edges as u64, "edge"),
         relative(found.crease_median_over_gouraud),
-        number(found.crease_p95),
+        number(found.creases.p95),
         relative(found.crease_p95_over_gouraud),
         steps.unwrap_or_default()
     ))?;

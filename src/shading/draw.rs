@@ -142,7 +142,7 @@ impl Picture<'_> {
             });
         }
         for (i, (pixel, layers)) in pixels.as_chunks_mut::<3>().0.iter_mut().zip(&mut layers).enumerate() {
-            let place = DVec2::new((i % width) as f64, (first + i / width) as f64) + 0.5;
+            let place = self.view.center(first * width + i);
             // A tie goes to the first body and triangle.
             layers.sort_by(|a, b| a.depth.total_cmp(&b.depth));
             *pixel = self.light(place, layers).as_vec3().to_array();
@@ -278,9 +278,8 @@ pub fn image(frame: &Frame, shade: &Shade) -> LinearImage {
                 *pixel = background;
                 continue;
             }
-            let center = DVec2::new((i % width) as f64, (first + i / width) as f64) + 0.5;
-            let light = shading.light(triangle as usize, frame.weights(triangle as usize, center));
-            *pixel = light.as_vec3().to_array();
+            let weights = frame.weights(triangle as usize, frame.view.center(first * width + i));
+            *pixel = shading.light(triangle as usize, weights).as_vec3().to_array();
         }
     })
 }

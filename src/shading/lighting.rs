@@ -2,7 +2,7 @@
 //!
 //! I = k_a·I_a·O_d + Σ f_att·I_p·[k_d·O_d·(N·L)⁺ + k_s·O_s·s], separately for red, green and blue,
 //!
-//! where s is the highlight of a [`Specular`] model. Everything is evaluated in eye space, before the projection,
+//! where s is the [`Highlight`]. Everything is evaluated in eye space, before the projection,
 //! because the projection does not preserve angles. Light values are linear. Lamps cast no shadows. Transparency and
 //! refraction are those of §4.4.
 
@@ -28,19 +28,31 @@ pub struct Material {
     /// m, the exponent of the Phong and Blinn highlights, above 0: 1 is broad, several hundred is sharp.
     pub shininess: f64,
     /// The shape of the highlight.
-    pub specular_model: Specular,
+    pub highlight: Highlight,
+    /// The small mirrors, if the highlight has them.
+    pub facets: Microfacets,
 }
 
-/// The shape of a highlight.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Specular {
-    /// Phong: (R·V)^m, where R is the lamp's mirror image. Shoaff §3.3 and §3.6.
-    Phong,
-    /// Blinn: (N·H)^m, where H is halfway between lamp and viewer. Shoaff §3.6. In the plane of L and N, its angle is
-    /// half of Phong's, so an equally sharp highlight needs about four times the exponent.
-    Blinn,
-    /// Torrance–Sparrow and Cook–Torrance: a rough surface of small mirrors. Shoaff §3.8.1.
-    CookTorrance(Microfacets),
+named! {
+    /// The shape of a highlight.
+    Highlight, HighlightError {
+        /// (R·V)^m, where R is the lamp's mirror image. Shoaff §3.3 and §3.6.
+        Phong = "phong",
+        /// (N·H)^m, where H is halfway between lamp and viewer. Shoaff §3.6. In the plane of L and N, its angle is half of
+        /// Phong's, so an equally sharp highlight needs about four times the exponent.
+        Blinn = "blinn",
+        /// A rough surface of small mirrors with Gaussian tilts. Shoaff §3.8.1.
+        TorranceSparrow = "torrance-sparrow",
+        /// Small mirrors with tilts that follow Beckmann's distribution.
+        CookTorrance = "cook-torrance",
+    }
+}
+
+impl Highlight {
+    /// True if it is made of small mirrors.
+    pub const fn has_mirrors(self) -> bool {
+        matches!(self, Highlight::TorranceSparrow | Highlight::CookTorrance)
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -126,7 +138,7 @@ impl Lighting {
         if cosine > 0.0 {
             let diffuse = lamp.intensity * material.color * material.diffuse;
             let specular = lamp.intensity * material.specular_color * material.specular;
-            (cosine * diffuse * color + material.highlight(normal, to_lamp, to_viewer) * specular) * strength
+            (cosine * diffuse * color + material.shine(normal, to_lamp, to_viewer) * specular) * strength
         } else {
             DVec3::ZERO
         }
@@ -136,14 +148,16 @@ impl Lighting {
 impl Material {
     /// Returns s, the highlight before multiplication by k_s and O_s: a power of Phong's R·V, where R is the mirror image
     /// of L, or of Blinn's N·H, where H is halfway between L and V, or what small mirrors reflect. Shoaff §3.3, §3.6.
-    fn highlight(&self, normal: DVec3, to_lamp: DVec3, to_viewer: DVec3) -> DVec3 {
+    fn shine(&self, normal: DVec3, to_lamp: DVec3, to_viewer: DVec3) -> DVec3 {
         if self.specular == 0.0 {
             return DVec3::ZERO;
         }
-        let cosine = match self.specular_model {
-            Specular::CookTorrance(facets) => return facets.highlight(normal, to_lamp, to_viewer),
-            Specular::Phong => 2.0 * normal.dot(to_lamp) * normal.dot(to_viewer) - to_lamp.dot(to_viewer),
-            Specular::Blinn => normal.dot((to_lamp + to_viewer).normalize_or_zero()),
+        let cosine = match self.highlight {
+            Highlight::TorranceSparrow | Highlight::CookTorrance => {
+                return self.facets.highlight(normal, to_lamp, to_viewer);
+            }
+            Highlight::Phong => 2.0 * normal.dot(to_lamp) * normal.dot(to_viewer) - to_lamp.dot(to_viewer),
+            Highlight::Blinn => normal.dot((to_lamp + to_viewer).normalize_or_zero()),
         };
         let (cosine, m) = (cosine.max(0.0), self.shininess);
         // Products are the same on every machine.

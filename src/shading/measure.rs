@@ -12,6 +12,7 @@
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
+use serde::Serialize;
 
 use crate::{
     light::LinearImage,
@@ -37,18 +38,23 @@ pub struct EdgeCrease {
 
 /// The creases at all edges that two triangles facing the eye share smoothly. Edges are weighted by their length, so
 /// splitting an edge into pieces makes no difference.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Creases {
     /// The crease at each edge.
+    #[serde(skip)]
     pub edges: Vec<EdgeCrease>,
     /// Root mean square jump of the slope, in linear light per pixel.
+    #[serde(rename = "crease_rms")]
     pub rms: f64,
     /// The jump that half of the total edge length does not exceed, in linear light per pixel. Narrow triangles near
     /// silhouettes dominate the rms; the median is typical of most edges.
+    #[serde(rename = "crease_median")]
     pub median: f64,
     /// The jump that 95 % of the total edge length does not exceed, in linear light per pixel.
+    #[serde(rename = "crease_p95")]
     pub p95: f64,
     /// The largest jump, in linear light per pixel.
+    #[serde(rename = "crease_max")]
     pub max: f64,
     /// Root mean square jump of the light itself, in linear light.
     pub step_rms: f64,
@@ -208,7 +214,7 @@ impl Truth {
         let width = frame.view.width as usize;
         let at = |i: usize| {
             checkpoint();
-            let point = point(DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5))?;
+            let point = point(frame.view.center(i))?;
             let is_back = point.normal.dot(frame.view.to_viewer(point.eye)) < 0.0;
             Some(if is_back { Point { normal: -point.normal, ..point } } else { point })
         };

@@ -24,11 +24,8 @@ pub mod mesh;
 pub mod shaders;
 
 pub use draw::{Body, Composition, image};
-pub use frame::{
-    Fan, Field, Frame, FrameTriangle, FrameVertex, Highlight, Mirrors, Neighbor, Patches, Scene, View, coverage,
-    number_or_inf,
-};
-pub use lighting::{Lamp, LampPosition, Lighting, Material, Refraction, Specular, Transmits, Transparency};
+pub use frame::{Fan, Field, Frame, FrameTriangle, FrameVertex, Mirrors, Patches, Scene, Side, View, coverage};
+pub use lighting::{Highlight, Lamp, LampPosition, Lighting, Material, Refraction, Transmits, Transparency};
 pub use measure::{self as crease, Creases, EdgeCrease, Truth};
 pub use mesh::{
     Across, Coat, Mesh, Normals, Paint, PaintedCorner, Polygons, Smooth, Surface, Texture, Vertex, Wrap, shapes,

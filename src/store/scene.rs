@@ -8,7 +8,7 @@ use serde::Deserialize;
 use super::{
     FileErrors,
     file::read_text,
-    mesh,
+    mesh::{self, MeshError},
     toml::{self, Document},
 };
 use crate::{
@@ -16,9 +16,7 @@ use crate::{
     shading::{
         Body, Composition, Correction, Highlight, Lamp, LampPosition, Material, Mesh, Mirrors, Normals, Shade, Shader,
         Surface, Transmits, Transparency, View,
-        shapes::{self, Shape},
     },
-    system::found,
 };
 
 /// A scene, and the text that describes it.
@@ -150,26 +148,27 @@ pub fn read(path: &Path) -> Result<SceneFile, FileErrors> {
     let file = path.display().to_string();
     let (table, mut document) = toml::read::<SceneTable>(&file, &text)?;
     check(&table, &mut document);
-    let mut shape = |(i, table): (usize, &MeshTable)| {
-        let Ok(shape) = table.mesh.parse() else {
-            let file = path.with_file_name(&table.mesh);
-            if !table.mesh.is_empty() && file.extension().is_none() && matches!(found(&file), Ok(None)) {
-                document.error(&format!("mesh.{i}.mesh"), Shape::missing(&table.mesh));
-            }
-            return None;
-        };
-        let made = shapes::mesh(shape, table.vertices);
-        made.map_err(|error| document.error(&format!("mesh.{i}.vertices"), format!("vertices: {error}"))).ok()
-    };
-    let shapes: Vec<Option<Mesh>> = table.mesh.iter().enumerate().map(&mut shape).collect();
+    let (folder, mut meshes) = (path.parent().unwrap_or(path), Vec::new());
+    for (i, MeshTable { mesh, vertices, crease, normals, .. }) in table.mesh.iter().enumerate() {
+        let place = |key: &str| format!("mesh.{i}.{key}");
+        match mesh::open(folder, Path::new(mesh), *vertices, *crease, *normals) {
+            _ if mesh.is_empty() => {}
+            Err(MeshError::Unknown(error)) => document.error(&place("mesh"), error),
+            Err(MeshError::Vertices(error)) => document.error(&place("vertices"), format!("vertices: {error}")),
+            Err(MeshError::File(errors)) => meshes.push(Err(errors)),
+            Ok(file) => meshes.push(Ok(file)),
+        }
+    }
     let table = document.finish(table)?;
     if table.mesh.is_empty() {
         return Err(FileErrors::whole(path, "the scene has no meshes; expected at least one table [[mesh]]"));
     }
     let mut notes = Vec::new();
     let mut bodies = Vec::new();
-    for (mesh, shape) in table.mesh.iter().zip(shapes) {
-        bodies.push(body(mesh, shape, path, &mut notes)?);
+    for (table, file) in table.mesh.iter().zip(meshes) {
+        let file = file?;
+        notes.extend(file.note(&folder.join(&table.mesh)));
+        bodies.push(body(table, file.mesh));
     }
     let lamp = |lamp: &LampTable| Lamp {
         position: match (lamp.position, lamp.direction) {
@@ -218,24 +217,15 @@ fn check(scene: &SceneTable, document: &mut Document<'_>) {
     }
 }
 
-/// Returns a body with this shape, or with the mesh in its file.
-fn body(table: &MeshTable, shape: Option<Mesh>, scene: &Path, notes: &mut Vec<String>) -> Result<Body, FileErrors> {
-    let mesh = match shape {
-        Some(shape) => shape,
-        None => {
-            let path = scene.with_file_name(&table.mesh);
-            let file = mesh::read(&path, table.crease, table.normals)?;
-            notes.extend(file.note(&path));
-            file.mesh
-        }
-    };
-    let mesh: Mesh = mesh.estimated(table.normals).placed(
+/// Returns a body with this mesh.
+fn body(table: &MeshTable, mesh: Mesh) -> Body {
+    let mesh = mesh.estimated(table.normals).placed(
         table.scale,
         View::square(1).rotated(table.rotate).rotation,
         DVec3::from_array(table.position),
     );
     let mirrors = Mirrors { slope: table.facet_slope, c1: table.facet_c1, index: table.facet_index };
-    Ok(Body {
+    Body {
         surface: Surface::new(mesh),
         shade: Shade {
             shader: table.shader,
@@ -251,7 +241,8 @@ fn body(table: &MeshTable, shape: Option<Mesh>, scene: &Path, notes: &mut Vec<St
             diffuse: table.diffuse,
             specular: table.specular,
             shininess: table.shininess,
-            specular_model: table.highlight.model(table.shininess, mirrors),
+            highlight: table.highlight,
+            facets: mirrors.facets(table.highlight, table.shininess),
         },
         transparency: Transparency {
             kind: table.transparency,
@@ -259,5 +250,5 @@ fn body(table: &MeshTable, shape: Option<Mesh>, scene: &Path, notes: &mut Vec<St
             color: DVec3::from_array(table.filter),
         },
         index: table.index,
-    })
+    }
 }

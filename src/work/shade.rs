@@ -8,7 +8,7 @@ use std::{
 
 use glam::DVec3;
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 
 use super::{
@@ -20,12 +20,14 @@ use crate::{
     report::document::numbers::count,
     shading::{
         self, Body, Correction, Creases, Frame, Highlight, Mirrors, Normals, Scene, Shader, Surface, Truth, crease,
-        image, number_or_inf,
-        shapes::{self, Shape},
+        image, shapes::Shape,
     },
     stimulus::{Judged, Residual, StimulusColor, SurfaceDifference, Triple, ViewingConditions, emitted},
-    store::{self, mesh::MeshFile, scene::SceneFile},
-    system::{checkpoint, found},
+    store::{
+        self,
+        mesh::{MeshError, MeshFile, shape_of},
+        scene::SceneFile,
+    },
     text::{
         names::one_of,
         number::{whole, within},
@@ -118,6 +120,11 @@ pub struct OneMesh {
 /// What the request's `truth` stands for without a file: the surface that the built-in shape approximates.
 const KNOWN: &str = "known";
 
+/// Writes a number that may be infinite, which JSON's cannot be.
+fn number_or_inf<S: Serializer>(number: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+    if number.is_finite() { serializer.serialize_f64(*number) } else { serializer.serialize_str("inf") }
+}
+
 /// Parses the distance of the eye, in mesh radii.
 fn distance(text: &str) -> Result<f64, String> {
     match text {
@@ -132,11 +139,6 @@ impl OneMesh {
         // Without a shader, only the smooth surface is drawn, which every pixel lights.
         let shader = self.shader.unwrap_or(Shader::Phong);
         shading::Shade { shader, depth, boundary, vertex, reweight }
-    }
-
-    /// Returns the built-in shape that the request names, if it does.
-    fn named(&self) -> Option<Shape> {
-        self.mesh.to_str().and_then(|name| name.parse().ok())
     }
 
     fn scene(&self) -> Result<Scene, RequestError> {
@@ -199,16 +201,12 @@ impl OneMesh {
     /// # Errors
     /// There is no such shape, or the file cannot be read.
     pub fn mesh(&self) -> anyhow::Result<MeshFile> {
-        let path = &self.mesh;
-        if let Some(shape) = self.named() {
-            let mesh = shapes::mesh(shape, self.vertices);
-            let mesh = mesh.map_err(|error| RequestError::new("vertices", error))?;
-            return Ok(MeshFile { mesh, notes: Vec::new() });
-        }
-        if path.extension().is_none() && matches!(found(path), Ok(None)) {
-            return Err(RequestError::new("mesh", Shape::missing(&path.to_string_lossy())).into());
-        }
-        Ok(store::mesh::read(path, self.crease, self.normals)?)
+        let opened = store::mesh::open(Path::new(""), &self.mesh, self.vertices, self.crease, self.normals);
+        opened.map_err(|error| match error {
+            MeshError::Unknown(message) => RequestError::new("mesh", message).into(),
+            MeshError::Vertices(message) => RequestError::new("vertices", message).into(),
+            MeshError::File(errors) => errors.into(),
+        })
     }
 }
 
@@ -269,17 +267,12 @@ pub struct Metrics {
     pub triangles_seen: usize,
     /// Number of interior edges between two triangles that face the viewer.
     pub edges: usize,
-    /// Change of slope across the edges, in linear light per pixel.
-    pub crease_rms: f64,
-    pub crease_median: f64,
-    pub crease_p95: f64,
-    pub crease_max: f64,
+    #[serde(flatten)]
+    pub creases: Creases,
     pub crease_rms_gouraud: f64,
     pub crease_rms_over_gouraud: Option<f64>,
     pub crease_median_over_gouraud: Option<f64>,
     pub crease_p95_over_gouraud: Option<f64>,
-    /// Change of light across the edges.
-    pub step_rms: f64,
     pub crease_unit: &'static str,
     #[serde(flatten)]
     pub viewing: ViewingConditions,
@@ -331,13 +324,13 @@ impl Shade {
             let message = "is compared only by the metrics; expected metrics, or no smooth surface";
             return Err(RequestError::new("truth", message).into());
         }
-        let mut notes = one.idle(one.named().filter(|_| given.is_none()), wanted.metrics);
+        let mut notes = one.idle(shape_of(&one.mesh).filter(|_| given.is_none()), wanted.metrics);
         let found = given.map_or_else(|| one.mesh(), Ok)?;
         let viewing = encoded.viewing(one.window_deg, &self.luminances);
         let drawing = Drawing::new(one, found, self.image.size, &mut notes)?;
         // Only a path that is not Unicode cannot be written.
         let mut description = serde_json::to_value(self).unwrap_or_default();
-        if !one.named().is_some_and(Shape::has_vertices) {
+        if !shape_of(&one.mesh).is_some_and(Shape::has_vertices) {
             description["vertices"] = Value::Null;
         }
         let picture = wanted.picture.then(|| {
@@ -461,15 +454,11 @@ impl<'a> Drawing<'a> {
             triangles: surface.mesh.triangles.len(),
             triangles_seen: frame.triangles.len(),
             edges: creases.edges.len(),
-            crease_rms: creases.rms,
-            crease_median: creases.median,
-            crease_p95: creases.p95,
-            crease_max: creases.max,
             crease_rms_gouraud: creases_gouraud.rms,
             crease_rms_over_gouraud: over(creases.rms, creases_gouraud.rms),
             crease_median_over_gouraud: over(creases.median, creases_gouraud.median),
             crease_p95_over_gouraud: over(creases.p95, creases_gouraud.p95),
-            step_rms: creases.step_rms,
+            creases,
             crease_unit: "linear light per pixel",
             viewing,
             difference,
@@ -493,12 +482,7 @@ fn non_manifold(name: &dyn Display, surface: &Surface) -> Option<String> {
 
 /// Says how many pixels are brighter than white, if any.
 fn clipped(image: &LinearImage) -> Option<String> {
-    let is_clipped = |pixel: &&[f32]| pixel.iter().any(|light| *light > 1.0);
-    let of_rows = |rows: &[f32]| {
-        checkpoint();
-        rows.chunks_exact(3).filter(is_clipped).count()
-    };
-    let clipped: usize = image.data.par_chunks(3 << 16).map(of_rows).sum();
+    let clipped = image.data.par_chunks_exact(3).filter(|pixel| pixel.iter().any(|light| *light > 1.0)).count();
     let pixels = count(clipped as u64, "pixel");
     (clipped > 0).then(|| format!("light above white is clipped, which creates edges ({pixels})"))
 }

@@ -61,7 +61,7 @@ fn drag(window: &mut Window, from: Pos2, to: Pos2, button: PointerButton) {
 }
 
 fn expected(compared: &Comparison, transfer: &Transfer, which: usize, width: u32, height: u32) -> CodeImage {
-    let frame = compared.scene.frame(&Surface::new(compared.mesh.mesh().unwrap().0), width, height);
+    let frame = compared.scene.frame(&Surface::new(compared.mesh.mesh().unwrap().mesh), width, height);
     Quantizer::new(&transfer.clone().into(), Bits::Eight).quantize(&image(&frame, &compared.sides[which]))
 }
 

@@ -4,26 +4,32 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 use machband::shading::lighting::Microfacets;
-use machband::shading::{Lamp, LampPosition, Lighting, Material, Refraction, Specular};
+use machband::shading::{Highlight, Lamp, LampPosition, Lighting, Material, Refraction};
 use proptest::prelude::*;
 
-use crate::common::golden;
+use crate::{golden, numbers};
 
 const GLASS: Microfacets = Microfacets { c1: None, slope: 0.3, index: DVec3::new(1.5, 1.8, 2.2) };
 const DULL: Microfacets = Microfacets { c1: Some(1.7), ..GLASS };
-const MODELS: [(&str, Specular); 4] = [
-    ("phong", Specular::Phong),
-    ("blinn", Specular::Blinn),
-    ("gaussian", Specular::CookTorrance(DULL)),
-    ("beckmann", Specular::CookTorrance(GLASS)),
+const MODELS: [(&str, Highlight, Microfacets); 4] = [
+    ("phong", Highlight::Phong, GLASS),
+    ("blinn", Highlight::Blinn, GLASS),
+    ("gaussian", Highlight::TorranceSparrow, DULL),
+    ("beckmann", Highlight::CookTorrance, GLASS),
 ];
+
+/// Returns the model and the numbers of a row.
+fn named<'a>(row: &[&'a str]) -> (&'a str, Vec<f64>) {
+    (row[0], numbers(&row[1..]))
+}
 
 fn vectors(numbers: &[f64]) -> Vec<DVec3> {
     numbers.chunks_exact(3).map(DVec3::from_slice).collect()
 }
 
 /// The scene of scripts/golden_shading.py.
-fn scene(specular_model: Specular) -> Lighting {
+fn scene(name: &str) -> Lighting {
+    let (_, highlight, facets) = MODELS.into_iter().find(|(known, ..)| *known == name).unwrap();
     let material = Material {
         color: DVec3::new(0.9, 0.5, 0.1),
         specular_color: DVec3::new(0.8, 1.0, 0.6),
@@ -31,7 +37,8 @@ fn scene(specular_model: Specular) -> Lighting {
         diffuse: 0.55,
         specular: 0.4,
         shininess: 12.5,
-        specular_model,
+        highlight,
+        facets,
     };
     let lamp = |position, r, g, b| Lamp { position, intensity: DVec3::new(r, g, b) };
     let point = |x, y, z, attenuation| LampPosition::Point { position: DVec3::new(x, y, z), attenuation };
@@ -41,10 +48,6 @@ fn scene(specular_model: Specular) -> Lighting {
         lamp(point(-0.25, 0.5, 0.75, [0.1, 0.2, 0.3]), 0.2, 2.0, 0.3),
     ];
     Lighting { material, ambient: DVec3::new(0.3, 0.5, 0.7), lamps }
-}
-
-fn model(name: &str) -> Specular {
-    MODELS.iter().find(|(known, _)| *known == name).unwrap().1
 }
 
 /// Makes a unit vector from two numbers within 0…1; all directions are equally likely.
@@ -59,9 +62,9 @@ fn directions() -> impl Strategy<Value = DVec3> {
 
 #[test]
 fn highlights_of_microfacets_agree_with_python() {
-    let rows = golden("illumination.csv");
+    let rows = golden("highlight");
     assert_eq!(rows.len(), 192);
-    for (name, numbers) in rows {
+    for (name, numbers) in rows.iter().map(|row| named(row)) {
         let c1 = (name == "gaussian").then(|| numbers[1]);
         let v = vectors(&numbers[2..]);
         let highlight = Microfacets { c1, slope: numbers[0], index: v[0] }.highlight(v[1], v[2], v[3]);
@@ -72,11 +75,11 @@ fn highlights_of_microfacets_agree_with_python() {
 
 #[test]
 fn whole_model_agrees_with_python() {
-    let rows = golden("illumination_scene.csv");
+    let rows = golden("scene");
     assert_eq!(rows.len(), 80);
-    for (name, numbers) in rows {
+    for (name, numbers) in rows.iter().map(|row| named(row)) {
         let v = vectors(&numbers);
-        let light = scene(model(&name)).light(v[0], v[1], v[2]);
+        let light = scene(name).light(v[0], v[1], v[2]);
         assert!((light - v[3]).abs().max_element() < 1e-12, "{name} {numbers:?}: {light}");
     }
 }

@@ -224,16 +224,6 @@ struct Card {
 }
 
 impl Card {
-    fn module(&self, source: &'static str) -> wgpu::ShaderModule {
-        let source = wgpu::ShaderSource::Wgsl(source.into());
-        self.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source })
-    }
-
-    fn uniform(&self, contents: &[f32]) -> wgpu::Buffer {
-        let (contents, usage) = (cast_slice(contents), wgpu::BufferUsages::UNIFORM);
-        self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents, usage })
-    }
-
     /// Returns a mesh with the coefficients of a view, which the two passes compute.
     fn mesh(&self, surface: &cubic::Surface, camera: &Camera) -> C1Mesh {
         let cubic::Surface { vertices, positions, normals, curvature, triangles, sides } = surface.clone();
@@ -245,59 +235,24 @@ impl Card {
         mesh
     }
 
-    /// Computes the same coefficients by drawing.
-    fn redraw(&self, mesh: &C1Mesh, camera: &Camera) {
-        let module = self.module(COEFFICIENTS);
-        let mut encoder = self.device.create_command_encoder(&Default::default());
-        let [points, ring, corners] = mesh.inputs.each_ref().map(|input| input.create_view(&Default::default()));
-        let slopes = mesh.slopes.create_view(&Default::default());
-        for (name, target, used) in [
-            ("slopes_texel", &mesh.slopes, &[(1, &points), (2, &ring)][..]),
-            ("coefficients_texel", &mesh.coefficients, &[(1, &points), (3, &corners), (4, &slopes)]),
-        ] {
-            let format = wgpu::TextureFormat::Rgba32Float;
-            let pipeline = self.pipeline(&module, "everywhere", name, &[], format, None);
-            let camera = self.uniform(&mesh.uniform(&of_kit(camera), target.width()).map(f32::from_bits));
-            let views = used.iter().map(|(binding, view)| (*binding, wgpu::BindingResource::TextureView(view)));
-            let entries: Vec<_> = std::iter::once((0, camera.as_entire_binding()))
-                .chain(views)
-                .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
-                .collect();
-            let layout = &pipeline.get_bind_group_layout(0);
-            let group =
-                self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries });
-            let mut pass = begin(&mut encoder, &target.create_view(&Default::default()), None);
-            pass.set_pipeline(&pipeline);
-            pass.set_bind_group(0, &group, &[]);
-            pass.draw(0..3, 0..1);
-        }
-        self.queue.submit([encoder.finish()]);
-    }
-
-    fn pipeline(
-        &self,
-        module: &wgpu::ShaderModule,
-        vertex: &str,
-        fragment: &str,
-        attributes: &[wgpu::VertexAttribute],
-        format: wgpu::TextureFormat,
-        depth: Option<wgpu::TextureFormat>,
-    ) -> wgpu::RenderPipeline {
-        let array_stride = attributes.iter().map(|attribute| attribute.format.size()).sum();
-        let buffer = wgpu::VertexBufferLayout { array_stride, step_mode: wgpu::VertexStepMode::Vertex, attributes };
-        let buffers = [Some(buffer)];
+    /// Compiles `c1.wgsl`.
+    fn pipeline(&self, format: wgpu::TextureFormat, depth: wgpu::TextureFormat) -> wgpu::RenderPipeline {
+        let source = wgpu::ShaderSource::Wgsl(C1.into());
+        let module = &self.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source });
+        let attributes = &wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3];
+        let buffer = wgpu::VertexBufferLayout { array_stride: 24, step_mode: wgpu::VertexStepMode::Vertex, attributes };
         self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: None,
             layout: None,
             vertex: wgpu::VertexState {
                 module,
-                entry_point: Some(vertex),
+                entry_point: Some("c1_vertex"),
                 compilation_options: Default::default(),
-                buffers: if attributes.is_empty() { &[] } else { &buffers },
+                buffers: &[Some(buffer)],
             },
-            primitive: wgpu::PrimitiveState { cull_mode: depth.map(|_| wgpu::Face::Back), ..Default::default() },
-            depth_stencil: depth.map(|format| wgpu::DepthStencilState {
-                format,
+            primitive: wgpu::PrimitiveState { cull_mode: Some(wgpu::Face::Back), ..Default::default() },
+            depth_stencil: Some(wgpu::DepthStencilState {
+                format: depth,
                 depth_write_enabled: Some(true),
                 depth_compare: Some(wgpu::CompareFunction::Less),
                 stencil: Default::default(),
@@ -306,7 +261,7 @@ impl Card {
             multisample: Default::default(),
             fragment: Some(wgpu::FragmentState {
                 module,
-                entry_point: Some(fragment),
+                entry_point: Some("c1_phong_pixel"),
                 compilation_options: Default::default(),
                 targets: &[Some(format.into())],
             }),
@@ -325,10 +280,11 @@ impl Card {
             [0.6, 0.6, 0.6, 0.0],
             [0.3, 0.3, 0.3, 0.0],
         ];
-        let scene = self.uniform(&[&floats(model_view)[..], &floats(projection), lights.as_flattened()].concat());
+        let scene = [&floats(model_view)[..], &floats(projection), lights.as_flattened()].concat();
+        let (contents, usage) = (cast_slice(&scene), wgpu::BufferUsages::UNIFORM);
+        let scene = self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents, usage });
         let (format, depth) = (wgpu::TextureFormat::Rgba8Unorm, wgpu::TextureFormat::Depth32Float);
-        let attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3];
-        let pipeline = self.pipeline(&self.module(C1), "c1_vertex", "c1_phong_pixel", &attributes, format, Some(depth));
+        let pipeline = self.pipeline(format, depth);
         let texture = |format, usage| {
             self.device.create_texture(&wgpu::TextureDescriptor {
                 label: None,
@@ -353,7 +309,22 @@ impl Card {
             ],
         });
         let mut encoder = self.device.create_command_encoder(&Default::default());
-        let mut pass = begin(&mut encoder, &codes.create_view(&Default::default()), Some(&depth));
+        let view = &codes.create_view(&Default::default());
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: None,
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &depth,
+                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Discard }),
+                stencil_ops: None,
+            }),
+            ..Default::default()
+        });
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &group, &[]);
         pass.set_vertex_buffer(0, mesh.vertices.slice(..));
@@ -382,28 +353,6 @@ impl Card {
     }
 }
 
-fn begin<'e>(
-    encoder: &'e mut wgpu::CommandEncoder,
-    view: &wgpu::TextureView,
-    depth: Option<&wgpu::TextureView>,
-) -> wgpu::RenderPass<'e> {
-    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: None,
-        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-            view,
-            depth_slice: None,
-            resolve_target: None,
-            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
-        })],
-        depth_stencil_attachment: depth.map(|view| wgpu::RenderPassDepthStencilAttachment {
-            view,
-            depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Discard }),
-            stencil_ops: None,
-        }),
-        ..Default::default()
-    })
-}
-
 /// Returns the best card that Vulkan knows. If there is none, the test is skipped.
 fn card() -> Option<Card> {
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
@@ -417,30 +366,24 @@ fn card() -> Option<Card> {
     Some(Card { name: adapter.get_info().name, device, queue })
 }
 
+/// The passes that draw are tested in a browser, where `scripts/check_kit.sh` runs the GLSL ES that is generated from them.
 #[test]
 fn card_gives_plain_rusts_coefficients_and_the_librarys_pixels() {
     let Some(card) = card() else { return };
     for subject in subjects() {
         let theirs = cubic::coefficients(&subject.surface, &subject.camera);
         let mesh = card.mesh(&subject.surface, &subject.camera);
-        let read = || {
-            let bytes = card.read(card.device.create_command_encoder(&Default::default()), &mesh.coefficients);
-            bytemuck::pod_collect_to_vec::<u8, f32>(&bytes)
-        };
-        let computed = read();
-        card.redraw(&mesh, &subject.camera);
-        for (form, numbers) in [("computed", computed), ("drawn", read())] {
-            for (t, (own, theirs)) in numbers.as_chunks::<36>().0.iter().zip(&theirs).enumerate() {
-                // A triangle seen edge on may count as facing away for one of the two.
-                if own[..3] == [0.0; 3] || theirs[0] == [0.0; 3] {
-                    continue;
-                }
-                for (own, theirs) in own.iter().zip(theirs.as_flattened()) {
-                    let Card { name, .. } = &card;
-                    let apart = (own - theirs).abs() / theirs.abs().max(1.0);
-                    // Near a silhouette, slopes are steep, and single precision shows. The pixels below have no such room.
-                    assert!(apart < 2e-2, "{name}, {form}, {}, {t}: {own} {theirs}", subject.name);
-                }
+        let bytes = card.read(card.device.create_command_encoder(&Default::default()), &mesh.coefficients);
+        let numbers = bytemuck::pod_collect_to_vec::<u8, f32>(&bytes);
+        for (t, (own, theirs)) in numbers.as_chunks::<36>().0.iter().zip(&theirs).enumerate() {
+            // A triangle seen edge on may count as facing away for one of the two.
+            if own[..3] == [0.0; 3] || theirs[0] == [0.0; 3] {
+                continue;
+            }
+            for (own, theirs) in own.iter().zip(theirs.as_flattened()) {
+                let apart = (own - theirs).abs() / theirs.abs().max(1.0);
+                // Near a silhouette, slopes are steep, and single precision shows. The pixels below have no such room.
+                assert!(apart < 2e-2, "{}, {}, {t}: {own} {theirs}", card.name, subject.name);
             }
         }
         let (frame, pixels) = (&subject.frame, card.drawn(&mesh, &subject.camera));

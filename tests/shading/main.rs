@@ -16,7 +16,7 @@ use std::collections::HashMap;
 use glam::{DMat3, DVec2, DVec3};
 use machband::{
     light::{Depth, LinearImage},
-    shading::{Fan, Frame, FrameTriangle, FrameVertex, Lighting, Neighbor, Scene, Shade, Shader, View},
+    shading::{Fan, Frame, FrameTriangle, FrameVertex, Lighting, Scene, Shade, Shader, Side, View},
 };
 
 /// Makes a vertex at `screen` that faces the eye and has the light `light`.
@@ -43,7 +43,7 @@ fn joined(vertices: Vec<FrameVertex>, triangles: &[[u32; 3]], lighting: Lighting
         let (a, b) = ends(t, k);
         let others: Vec<_> = sides[&[a.min(b), a.max(b)]].iter().filter(|side| side.0 != t).collect();
         match others[..] {
-            [&(u, l)] if ends(u, l) == (b, a) => Some(Neighbor { triangle: u as u32, apex: triangles[u][l] }),
+            [&(u, l)] if ends(u, l) == (b, a) => Some(Side { triangle: u as u32, corner: l as u32 }),
             _ => None,
         }
     };
@@ -105,6 +105,16 @@ fn shades(strips: &[(u8, f64)]) -> Vec<Shade> {
 /// Returns the largest difference between the light of two pictures.
 fn apart(a: &LinearImage, b: &LinearImage) -> f32 {
     a.data.iter().zip(&b.data).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+}
+
+/// Returns the rows of one kind in `golden/shading.csv`, which says what their fields are, without the kind.
+fn golden(kind: &str) -> Vec<Vec<&'static str>> {
+    let rows = include_str!("../golden/shading.csv").lines().map(|line| line.split(',').collect::<Vec<_>>());
+    rows.filter(|row| row[0] == kind).map(|row| row[1..].to_vec()).collect()
+}
+
+fn numbers(fields: &[&str]) -> Vec<f64> {
+    fields.iter().map(|field| field.parse().expect("a number")).collect()
 }
 
 /// Returns a number within 0…1 that depends only on `seed`: a hash of multiples of the golden ratio.

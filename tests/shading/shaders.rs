@@ -273,22 +273,13 @@ fn every_shader_gives_finite_light_on_every_frame() {
 
 #[test]
 fn cubics_match_numpy() {
-    let text = include_str!("../golden/patch.csv");
-    let (mut places, mut lights, mut gradients, mut triangles) = (vec![], vec![], vec![], vec![]);
-    let mut samples = vec![];
-    for line in text.lines().filter(|line| !line.starts_with('#')) {
-        let (kind, values) = line.split_once(',').expect("a kind");
-        let v: Vec<f64> = values.split(',').map(|v| v.parse().expect("a number")).collect();
-        match kind {
-            "vertex" => {
-                places.push(DVec2::new(v[0], v[1]));
-                lights.push(DVec3::new(v[2], v[3], v[4]));
-                gradients.push([0, 1, 2].map(|c| [v[5 + 2 * c], v[6 + 2 * c]]));
-            }
-            "triangle" => triangles.push([0, 1, 2].map(|k| v[k] as u32)),
-            _ => samples.push((v[0] as usize, v[1], v[2], DVec3::new(v[3], v[4], v[5]))),
-        }
-    }
+    let rows = |kind| -> Vec<Vec<f64>> { crate::golden(kind).iter().map(|row| crate::numbers(row)).collect() };
+    let vertices = rows("vertex");
+    let places: Vec<DVec2> = vertices.iter().map(|v| DVec2::new(v[0], v[1])).collect();
+    let lights = vertices.iter().map(|v| DVec3::new(v[2], v[3], v[4]));
+    let gradients = vertices.iter().map(|v| [0, 1, 2].map(|c| [v[5 + 2 * c], v[6 + 2 * c]])).collect();
+    let triangles: Vec<[u32; 3]> = rows("triangle").iter().map(|v| [0, 1, 2].map(|k| v[k] as u32)).collect();
+    let samples = rows("sample").into_iter().map(|v| (v[0] as usize, v[1], v[2], DVec3::new(v[3], v[4], v[5])));
     let mut frame = crate::frame(&places, &triangles, |_| DVec3::ZERO);
     for (vertex, light) in frame.vertices.iter_mut().zip(lights) {
         vertex.light = light;

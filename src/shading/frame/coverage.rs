@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::DVec2;
 
-use super::projected::Frame;
+use super::projected::{Frame, Side};
 use crate::system::checkpoint;
 
 /// The index that stands for no triangle.
@@ -72,13 +72,14 @@ pub fn interior_mask(frame: &Frame) -> Vec<bool> {
             (inside[a], inside[b]) = (false, false);
         }
     }
-    for crease in &frame.creases {
-        let [a, b] = crease.ends.map(|v| frame.vertices[v as usize].screen);
+    for Side { triangle, corner } in &frame.creases {
+        let corners = frame.corners(*triangle as usize);
+        let [a, b] = [1, 2].map(|end| corners[(*corner as usize + end) % 3].screen);
         // Half a pixel per step.
         let steps = (2.0 * a.distance(b)).ceil().max(1.0);
         for step in 0..=steps as usize {
             let around = around(frame, a.lerp(b, step as f64 / steps));
-            if around.clone().any(|pixel| seen[pixel] == crease.triangle) {
+            if around.clone().any(|pixel| seen[pixel] == *triangle) {
                 around.for_each(|pixel| inside[pixel] = false);
             }
         }
@@ -111,11 +112,7 @@ fn is_joined(frame: &Frame, one: usize, other: usize, here: usize, there: usize)
     if corners[0].iter().any(|vertex| corners[1].contains(vertex)) {
         return true;
     }
-    let center = |pixel: usize| {
-        let (x, y) = (pixel % frame.view.width as usize, pixel / frame.view.width as usize);
-        DVec2::new(x as f64 + 0.5, y as f64 + 0.5)
-    };
-    let depth = |t: usize, pixel: usize| frame.depth(t, frame.weights(t, center(pixel)));
+    let depth = |t: usize, pixel: usize| frame.depth(t, frame.weights(t, frame.view.center(pixel)));
     let [first, second] = [(one, here), (other, there)].map(|(t, pixel)| depth(t, pixel));
     let [ahead, behind] = [(one, there), (other, here)].map(|(t, pixel)| depth(t, pixel));
     (first - second).abs() <= 2.0 * (first - ahead).abs().max((second - behind).abs())
@@ -133,14 +130,14 @@ pub struct Outline {
     pub first: u32,
     pub end: u32,
     /// The sides that bound the triangle on the left, at most two; `right` has the sides that bound it on the right.
-    left: [Side; 2],
-    right: [Side; 2],
+    left: [Slope; 2],
+    right: [Slope; 2],
 }
 
 /// A side of a triangle. At the height of a row's pixel centers, it is in column `x + (row − y)·slope`, in pixels from
 /// the center of the first pixel.
 #[derive(Clone, Copy, Debug)]
-struct Side {
+struct Slope {
     x: f64,
     y: f64,
     slope: f64,
@@ -163,17 +160,17 @@ impl Outline {
         if first >= end || is_narrow || Frame::area2(a, b, c) <= 0.0 {
             return None;
         }
-        let open = |x| Side { x, y: 0.0, slope: 0.0 };
+        let open = |x| Slope { x, y: 0.0, slope: 0.0 };
         let mut outline = Outline { first, end, left: [open(f64::NEG_INFINITY); 2], right: [open(f64::INFINITY); 2] };
         let (mut lefts, mut rights) = (0, 0);
         // The corners are counterclockwise for the viewer, and y points down, so left edges go down. Horizontal edges
         // bound neither the left nor the right.
         for (from, to) in [(b, c), (c, a), (a, b)] {
             if from.y < to.y {
-                outline.left[lefts] = Side::new(from, to);
+                outline.left[lefts] = Slope::new(from, to);
                 lefts += 1;
             } else if to.y < from.y {
-                outline.right[rights] = Side::new(to, from);
+                outline.right[rights] = Slope::new(to, from);
                 rights += 1;
             }
         }
@@ -187,9 +184,9 @@ impl Outline {
     }
 }
 
-impl Side {
-    fn new(top: DVec2, bottom: DVec2) -> Side {
-        Side { x: top.x - 0.5, y: top.y - 0.5, slope: (bottom.x - top.x) / (bottom.y - top.y) }
+impl Slope {
+    fn new(top: DVec2, bottom: DVec2) -> Slope {
+        Slope { x: top.x - 0.5, y: top.y - 0.5, slope: (bottom.x - top.x) / (bottom.y - top.y) }
     }
 
     fn at(&self, row: f64) -> f64 {

@@ -8,5 +8,5 @@ mod scene;
 
 pub use coverage::Outline;
 pub use patches::{Field, Patches};
-pub use projected::{Fan, Frame, FrameTriangle, FrameVertex, MeantCrease, Neighbor, View};
-pub use scene::{Highlight, Mirrors, Scene, number_or_inf};
+pub use projected::{Fan, Frame, FrameTriangle, FrameVertex, Side, View};
+pub use scene::{Mirrors, Scene};

@@ -50,6 +50,12 @@ impl View {
         if self.distance.is_finite() { (DVec3::new(0.0, 0.0, self.distance) - eye).normalize() } else { DVec3::Z }
     }
 
+    /// Returns the center of a pixel, which is given by its index, row by row from the top left.
+    pub(crate) fn center(&self, pixel: usize) -> DVec2 {
+        let width = self.width as usize;
+        DVec2::new((pixel % width) as f64, (pixel / width) as f64) + 0.5
+    }
+
     /// Projects a point in eye space: returns its position on the screen and its depth. Depth is 0 at the nearest and 1
     /// at the farthest point, and within a plane it is affine on the screen.
     pub fn project(&self, eye: DVec3) -> (DVec2, f64) {
@@ -140,7 +146,7 @@ pub struct Frame {
     /// The triangles to draw: the ones that face the eye and have an area on the screen, in the order of the mesh.
     pub triangles: Vec<FrameTriangle>,
     /// The edges of the drawn triangles at which the surface is meant to have a crease.
-    pub creases: Vec<MeantCrease>,
+    pub creases: Vec<Side>,
     /// The lighting in eye space, for shaders that light every pixel.
     pub lighting: Lighting,
     /// The window and the position of the eye.
@@ -185,28 +191,19 @@ pub struct FrameTriangle {
     pub of_mesh: u32,
     /// True if this is the back of the mesh's triangle, whose corners 1 and 2 then swap places.
     pub is_back: bool,
-    /// The neighbor across each edge; `None` if there is none to join smoothly: the edge is a border of the surface, a
+    /// The side of the neighbor across each edge, which shares the edge's vertices; `None` if there is none to join smoothly: the edge is a border of the surface, a
     /// crease, a silhouette (the neighbor faces away or lies on the same side of the edge on the screen), or the edge of
     /// more than two triangles.
-    pub across: [Option<Neighbor>; 3],
+    pub across: [Option<Side>; 3],
 }
 
-/// An edge at which the surface is meant to have a crease.
+/// A side of a drawn triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct MeantCrease {
-    /// The edge's ends, as indices into [`Frame::vertices`].
-    pub ends: [u32; 2],
-    /// A drawn triangle at the edge, as an index into [`Frame::triangles`].
+pub struct Side {
+    /// The triangle's index into [`Frame::triangles`].
     pub triangle: u32,
-}
-
-/// A triangle across an edge that is also visible and shares the vertices of the edge.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Neighbor {
-    /// Its index into [`Frame::triangles`].
-    pub triangle: u32,
-    /// Its third vertex D, an index into [`Frame::vertices`].
-    pub apex: u32,
+    /// The corner that is opposite the side.
+    pub corner: u32,
 }
 
 /// The number of positions per pixel on which vertices can lie.
@@ -349,14 +346,12 @@ impl Frame {
                 let (other, k) = ((side / 3) as usize, (side % 3) as usize);
                 let apex = mesh.triangles[other][k] + if is_back { back } else { 0 };
                 let (triangle, theirs) = drawn[other]?;
-                theirs.contains(&apex).then_some(Neighbor { triangle, apex })
+                let corner = theirs.iter().position(|vertex| *vertex == apex)? as u32;
+                Some(Side { triangle, corner })
             });
-            for (k, side) in beyond.into_iter().enumerate() {
-                if matches!(side, Across::Crease(_)) {
-                    let ends = [corners[(k + 1) % 3], corners[(k + 2) % 3]];
-                    self.creases.push(MeantCrease { ends, triangle: self.triangles.len() as u32 });
-                }
-            }
+            let triangle = self.triangles.len() as u32;
+            let meant = (0..).zip(beyond).filter(|(_, side)| matches!(side, Across::Crease(_)));
+            self.creases.extend(meant.map(|(corner, _)| Side { triangle, corner }));
             let (mut fans, mut sides) = (surface.fans.triangles[t], surface.fans.sides[t]);
             if is_back {
                 let of_back = |fan: u32| fan + surface.fans.vertices.len() as u32;
@@ -373,10 +368,9 @@ impl Frame {
     pub(crate) fn shared_edges(&self) -> impl Iterator<Item = [(usize, usize); 2]> + '_ {
         let sides = (0..self.triangles.len()).flat_map(|t| [(t, 0), (t, 1), (t, 2)]);
         sides.filter_map(|(t, k)| {
-            let Neighbor { triangle, apex } = self.triangles[t].across[k]?;
-            let other = triangle as usize;
-            let opposite = self.triangles[other].vertices.iter().position(|v| *v == apex)?;
-            (t < other).then_some([(t, k), (other, opposite)])
+            let other = self.triangles[t].across[k]?;
+            let other = (other.triangle as usize, other.corner as usize);
+            (t < other.0).then_some([(t, k), other])
         })
     }
 }

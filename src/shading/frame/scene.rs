@@ -1,19 +1,15 @@
 //! A scene described by a few numbers that commands, definitions, and the window can set.
 
 use glam::DVec3;
-use serde::{Serialize, Serializer};
 
 use super::projected::{Frame, View};
-use crate::{
-    shading::{
-        lighting::{Lamp, LampPosition, Lighting, Material, Microfacets, Specular},
-        mesh::Surface,
-    },
-    text::names::named,
+use crate::shading::{
+    lighting::{Highlight, Lamp, LampPosition, Lighting, Material, Microfacets},
+    mesh::Surface,
 };
 
 /// The small mirrors of a highlight, Shoaff §3.8.1.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Mirrors {
     /// m, the root mean square slope; `None` makes the highlight as sharp as Blinn's, √(2/(shininess + 2)).
     pub slope: Option<f64>,
@@ -24,42 +20,18 @@ pub struct Mirrors {
     pub index: Option<f64>,
 }
 
-named! {
-    /// The shape of the highlight.
-    Highlight, HighlightError {
-        /// (R·V)^m.
-        Phong = "phong",
-        /// (N·H)^m.
-        Blinn = "blinn",
-        /// Small mirrors with Gaussian tilts.
-        TorranceSparrow = "torrance-sparrow",
-        /// Small mirrors with tilts that follow Beckmann's distribution.
-        CookTorrance = "cook-torrance",
-    }
-}
-
-impl Highlight {
-    /// True if it is made of small mirrors.
-    pub const fn has_mirrors(self) -> bool {
-        matches!(self, Highlight::TorranceSparrow | Highlight::CookTorrance)
-    }
-
-    /// Returns the shape as a material has it, for the exponent `shininess` of Phong's and Blinn's highlight.
-    pub fn model(self, shininess: f64, Mirrors { slope, c1, index }: Mirrors) -> Specular {
-        let slope = slope.unwrap_or_else(|| (2.0 / (shininess + 2.0)).sqrt());
-        let index = DVec3::splat(index.unwrap_or(3.0));
-        let mirrors = |c1| Specular::CookTorrance(Microfacets { c1, slope, index });
-        match self {
-            Highlight::Phong => Specular::Phong,
-            Highlight::Blinn => Specular::Blinn,
-            Highlight::TorranceSparrow => mirrors(Some(c1.unwrap_or_else(|| 1.0 / (slope * slope)))),
-            Highlight::CookTorrance => mirrors(None),
-        }
+impl Mirrors {
+    /// Returns the mirrors of a highlight, for the exponent `shininess` of Phong's and Blinn's.
+    pub fn facets(self, highlight: Highlight, shininess: f64) -> Microfacets {
+        let slope = self.slope.unwrap_or_else(|| (2.0 / (shininess + 2.0)).sqrt());
+        let c1 = self.c1.unwrap_or_else(|| 1.0 / (slope * slope));
+        let c1 = (highlight == Highlight::TorranceSparrow).then_some(c1);
+        Microfacets { c1, slope, index: DVec3::splat(self.index.unwrap_or(3.0)) }
     }
 }
 
 /// A surface of one color, rotated and lit by one lamp.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scene {
     /// Rotation in degrees about x, then y, then z; see [`View::rotated`].
     pub rotate_deg: [f64; 3],
@@ -75,7 +47,7 @@ pub struct Scene {
     pub specular: f64,
     /// The shape of the highlight.
     pub highlight: Highlight,
-    /// m, the exponent of the highlight; see [`Highlight::model`].
+    /// m, the exponent of the highlight; see [`Mirrors::facets`].
     pub shininess: f64,
     /// The small mirrors, if the highlight has them.
     pub mirrors: Mirrors,
@@ -84,13 +56,7 @@ pub struct Scene {
     /// The share of the window's smaller side that the bounding sphere fills.
     pub fill: f64,
     /// Distance of the eye in radii of the bounding sphere; infinite for a parallel projection.
-    #[serde(serialize_with = "number_or_inf")]
     pub distance: f64,
-}
-
-/// Writes a number that may be infinite, which JSON's cannot be.
-pub fn number_or_inf<S: Serializer>(number: &f64, serializer: S) -> Result<S::Ok, S::Error> {
-    if number.is_finite() { serializer.serialize_f64(*number) } else { serializer.serialize_str("inf") }
 }
 
 impl Default for Scene {
@@ -124,7 +90,8 @@ impl Scene {
             diffuse: self.diffuse,
             specular: self.specular,
             shininess: self.shininess,
-            specular_model: self.highlight.model(self.shininess, self.mirrors),
+            highlight: self.highlight,
+            facets: self.mirrors.facets(self.highlight, self.shininess),
         };
         // Whatever its length.
         let toward = (self.light / self.light.abs().max_element()).normalize_or(DVec3::Z);

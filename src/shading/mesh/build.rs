@@ -1,6 +1,6 @@
 //! Builds meshes from positions and faces, and triangulates polygons.
 
-use std::{collections::VecDeque, ops::Range};
+use std::{collections::HashMap, collections::VecDeque, ops::Range};
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -15,70 +15,108 @@ use crate::system::checkpoint;
 /// The largest absolute coordinate of a mesh; it leaves room for products of several coordinates.
 pub const MAX_COORDINATE: f64 = 1e30;
 
-/// Faces with three or more corners, and optionally normals and paint at their corners.
+/// A corner of a polygon.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Corner {
+    /// The index of its position.
+    pub site: u32,
+    /// The index of its paint.
+    pub vertex: u32,
+    /// The index of its normal; it need not exist.
+    pub normal: Option<u32>,
+}
+
+impl Corner {
+    /// Returns a corner whose position, paint and normal have the same index.
+    pub const fn of(vertex: u32) -> Corner {
+        Corner { site: vertex, vertex, normal: Some(vertex) }
+    }
+}
+
+/// Faces with three or more corners, and the positions, normals and paint to which the corners refer.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Polygons {
-    pub(super) sites: Vec<u32>,
-    /// Has the same length as `sites`, or is empty until the first normal is given.
-    pub(super) normals: Vec<Option<DVec3>>,
+    pub positions: Vec<DVec3>,
+    /// Unit normals; `None` for a normal that is to be estimated.
+    pub normals: Vec<Option<DVec3>>,
+    /// Empty if the polygons are not painted.
+    pub paint: Vec<PaintedCorner>,
+    /// The corners of all polygons.
+    pub corners: Vec<Corner>,
+    /// Where each polygon ends in `corners`.
     pub ends: Vec<usize>,
-    /// The paint at each corner and the coat of each polygon; empty if the polygons are not painted.
-    pub(super) paint: Vec<PaintedCorner>,
-    of_polygons: Vec<u32>,
-    /// The coats to which painted polygons refer.
+    /// The coat of each polygon, as an index into `coats`, if they are painted.
+    pub of_polygons: Vec<u32>,
     pub coats: Vec<Coat>,
 }
 
+/// A side of a polygon.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Side {
+    /// The sites at its ends, the lower first.
+    pub edge: [u32; 2],
+    pub face: u32,
+    /// The corners at its ends, in the order in which the polygon goes around.
+    pub corners: [u32; 2],
+}
+
 impl Polygons {
-    /// Makes polygons from their sites, without normals.
-    pub fn new<'a>(polygons: impl IntoIterator<Item = &'a [u32]>) -> Polygons {
-        let mut all = Polygons::default();
+    /// Makes polygons from the sites of their corners, without normals.
+    pub fn new<P: AsRef<[u32]>>(positions: Vec<DVec3>, polygons: &[P]) -> Polygons {
+        let mut all = Polygons { positions, ..Polygons::default() };
         for sites in polygons {
-            all.push(sites.iter().map(|site| (*site, None)));
+            all.push(sites.as_ref().iter().map(|site| Corner::of(*site)));
         }
         all
     }
 
-    /// Adds a polygon, given by its corners' sites and unit normals. A polygon with fewer than three corners is never
-    /// drawn.
-    pub fn push(&mut self, corners: impl IntoIterator<Item = (u32, Option<DVec3>)>) {
-        for (site, normal) in corners {
-            if normal.is_some() || !self.normals.is_empty() {
-                self.normals.resize(self.sites.len(), None);
-                self.normals.push(normal);
-            }
-            self.sites.push(site);
-        }
-        self.ends.push(self.sites.len());
+    /// Adds a polygon.
+    pub fn push(&mut self, corners: impl IntoIterator<Item = Corner>) {
+        self.corners.extend(corners);
+        self.ends.push(self.corners.len());
+    }
+
+    /// Returns the normal that a corner was given, if any.
+    pub(super) fn normal(&self, corner: &Corner) -> Option<DVec3> {
+        self.normals.get(corner.normal? as usize).copied().flatten()
     }
 
     /// True if any corner was given a normal.
     pub fn has_normals(&self) -> bool {
-        self.normals.iter().any(Option::is_some)
+        self.corners.iter().any(|corner| self.normal(corner).is_some())
     }
 
     /// True if every corner was given a normal.
     pub fn has_all_normals(&self) -> bool {
-        self.has_normals() && self.normals.iter().all(Option::is_some)
+        !self.corners.is_empty() && self.corners.iter().all(|corner| self.normal(corner).is_some())
     }
 
-    /// Adds a polygon with paint and the index of its coat. Either all polygons are painted or none.
-    pub fn push_painted(&mut self, corners: impl IntoIterator<Item = (u32, Option<DVec3>, PaintedCorner)>, coat: u32) {
-        let (corners, paint): (Vec<_>, Vec<_>) = corners.into_iter().map(|(s, n, paint)| ((s, n), paint)).unzip();
-        self.push(corners);
-        self.paint.extend(paint);
-        self.of_polygons.push(coat);
+    /// Gives corners at exactly the same position the same site.
+    pub fn merge(&mut self) {
+        let (mut merged, mut sites) = (Vec::new(), HashMap::new());
+        let mut of_position: Vec<Option<u32>> = vec![None; self.positions.len()];
+        for corner in &mut self.corners {
+            let before = corner.site as usize;
+            corner.site = *of_position[before].get_or_insert_with(|| {
+                // Adding 0 turns −0 into 0.
+                let position = self.positions[before] + DVec3::ZERO;
+                *sites.entry(position.to_array().map(f64::to_bits)).or_insert_with(|| {
+                    merged.push(position);
+                    merged.len() as u32 - 1
+                })
+            });
+        }
+        self.positions = merged;
     }
 
     /// Makes polygons flat that were given no normal; returns whether there are any.
-    pub fn flatten(&mut self, positions: &[DVec3]) -> bool {
-        self.normals.resize(self.sites.len(), None);
+    pub fn flatten(&mut self) -> bool {
         let mut are_any = false;
-        for corners in self.corners() {
-            let (sites, normals) = (&self.sites[corners.clone()], &mut self.normals[corners]);
-            if normals.iter().all(Option::is_none) {
-                let corners: Vec<DVec3> = sites.iter().map(|site| positions[*site as usize]).collect();
-                normals.fill(normals::newell(&corners).try_normalize());
+        for corners in self.ranges() {
+            if self.corners[corners.clone()].iter().all(|corner| self.normal(corner).is_none()) {
+                let normal = Some(self.normals.len() as u32);
+                self.normals.push(normals::newell(&self.places(corners.clone())).try_normalize());
+                self.corners[corners].iter_mut().for_each(|corner| corner.normal = normal);
                 are_any = true;
             }
         }
@@ -87,118 +125,128 @@ impl Polygons {
 
     /// Leaves out polygons that go around the same sites in the same direction as an earlier one, and returns how many.
     pub fn drop_repeated(&mut self) -> usize {
-        let corners = self.corners();
+        let ranges = self.ranges();
         // From the lowest site on.
         let around = |face: &u32| {
-            let sites = &self.sites[corners[*face as usize].clone()];
-            let first = (0..sites.len()).min_by_key(|at| sites[*at]).unwrap_or_default();
-            sites[first..].iter().chain(&sites[..first])
+            let corners = &self.corners[ranges[*face as usize].clone()];
+            let first = (0..corners.len()).min_by_key(|at| corners[*at].site).unwrap_or_default();
+            corners[first..].iter().chain(&corners[..first]).map(|corner| corner.site)
         };
         let mut faces: Vec<u32> = (0..self.ends.len() as u32).collect();
         faces.par_sort_by(|a, b| around(a).cmp(around(b)));
-        let same = faces.chunk_by(|a, b| around(a).eq(around(b)));
-        let mut kept: Vec<u32> = same.map(|same| same[0]).collect();
-        kept.sort_unstable();
-        let repeated = faces.len() - kept.len();
+        let mut is_kept = vec![false; faces.len()];
+        let mut repeated = 0;
+        for same in faces.chunk_by(|a, b| around(a).eq(around(b))) {
+            is_kept[same[0] as usize] = true;
+            repeated += same.len() - 1;
+        }
         if repeated > 0 {
-            *self = self.only(kept.iter().map(|face| (*face as usize, corners[*face as usize].clone())));
+            self.retain(|face, _| is_kept[face]);
         }
         repeated
     }
 
-    /// Leaves out corners at the site of the next one, and polygons that have fewer than three others.
-    pub(super) fn drop_collapsed(&mut self) {
-        let others = self.corners().into_iter().map(|Range { start, end }| {
-            let next = |at: usize| if at + 1 < end { at + 1 } else { start };
-            (start..end).filter(|at| self.sites[*at] != self.sites[next(*at)]).collect::<Vec<usize>>()
+    /// Leaves out corners at the site of the one before, and polygons that have fewer than three others.
+    pub fn drop_collapsed(&mut self) {
+        self.retain(|_, corners| {
+            corners.dedup_by_key(|corner| corner.site);
+            if corners.len() > 1 && corners[0].site == corners[corners.len() - 1].site {
+                corners.pop();
+            }
+            corners.len() >= 3
         });
-        *self = self.only(others.enumerate().filter(|(_, others)| others.len() >= 3));
     }
 
-    /// Returns only these polygons, each with only these corners.
-    fn only(&self, kept: impl Iterator<Item = (usize, impl IntoIterator<Item = usize> + Clone)>) -> Polygons {
-        let mut left = Polygons { coats: self.coats.clone(), ..Polygons::default() };
-        for (face, corners) in kept {
-            left.sites.extend(corners.clone().into_iter().map(|at| self.sites[at]));
-            left.normals.extend(corners.clone().into_iter().filter_map(|at| self.normals.get(at)));
-            left.paint.extend(corners.into_iter().filter_map(|at| self.paint.get(at)));
-            left.of_polygons.extend(self.of_polygons.get(face));
-            left.ends.push(left.sites.len());
+    /// Lets `of` change the corners of each polygon, and leaves out the polygons for which it returns false.
+    fn retain(&mut self, of: impl Fn(usize, &mut Vec<Corner>) -> bool) {
+        let mut left = Polygons::default();
+        let mut corners = Vec::new();
+        for (face, range) in self.ranges().into_iter().enumerate() {
+            corners.clear();
+            corners.extend_from_slice(&self.corners[range]);
+            if of(face, &mut corners) {
+                left.push(corners.iter().copied());
+                left.of_polygons.extend(self.of_polygons.get(face));
+            }
         }
-        left
+        (self.corners, self.ends, self.of_polygons) = (left.corners, left.ends, left.of_polygons);
     }
 
-    /// Returns the corners of each polygon, as indices into `sites`.
-    pub(super) fn corners(&self) -> Vec<Range<usize>> {
+    /// Returns the corners of each polygon, as indices into `corners`.
+    pub(super) fn ranges(&self) -> Vec<Range<usize>> {
         let starts = std::iter::once(0).chain(self.ends.iter().copied());
         starts.zip(&self.ends).map(|(start, end)| start..*end).collect()
     }
 
-    /// Returns the sides of all polygons in the order of their edges: the edge, with its lower site first; the polygon; and
-    /// whether it goes along the edge from the lower site to the higher.
-    pub(super) fn sides(&self) -> Vec<([u32; 2], u32, bool)> {
-        let mut sides = Vec::with_capacity(self.sites.len());
-        for (face, corners) in (0..).zip(self.corners()) {
-            let sites = &self.sites[corners];
-            let around = sites.iter().zip(sites.iter().cycle().skip(1));
-            sides.extend(around.filter(|(a, b)| a != b).map(|(a, b)| ([*a.min(b), *a.max(b)], face, a < b)));
+    /// Returns the positions of some corners.
+    pub(super) fn places(&self, corners: Range<usize>) -> Vec<DVec3> {
+        self.corners[corners].iter().map(|corner| self.positions[corner.site as usize]).collect()
+    }
+
+    /// Returns the sides of all polygons in the order of their edges.
+    pub(super) fn sides(&self) -> Vec<Side> {
+        let mut sides = Vec::with_capacity(self.corners.len());
+        for (face, range) in (0..).zip(self.ranges()) {
+            for at in range.clone() {
+                let corners = [at, if at + 1 < range.end { at + 1 } else { range.start }];
+                let [a, b] = corners.map(|at| self.corners[at].site);
+                if a != b {
+                    sides.push(Side { edge: [a.min(b), a.max(b)], face, corners: corners.map(|at| at as u32) });
+                }
+            }
         }
         sides.sort_unstable();
         sides
     }
-}
 
-impl Mesh {
-    /// Makes the mesh of `triangles` over `positions` (the sites). Each vertex's normal is the normalized sum of the
-    /// unit normals of the faces around it, Shoaff §4.1. Faces that meet at an edge at more than `crease_deg` degrees
-    /// do not share normals there. With 180, every vertex is smooth; with 0, only vertices within a plane are.
+    /// Makes the mesh of these polygons, cut into triangles ([`triangulated`]). Each vertex's normal is the normalized sum of
+    /// the unit normals of the faces around it, Shoaff §4.1; a polygon counts as one face, with its Newell normal. Faces
+    /// that meet at an edge at more than `crease_deg` degrees do not share normals there. With 180, every vertex is smooth;
+    /// with 0, only vertices within a plane are. Corners with a given normal keep it. Given normals at one site that differ
+    /// by less than 0.1° are merged, and an edge is a crease if the normals of its two sides differ.
     ///
     /// # Errors
-    /// No triangle has an area, or a position is not finite.
-    pub fn new(positions: &[DVec3], triangles: &[[u32; 3]], crease_deg: f64) -> Result<Mesh, String> {
-        Mesh::from_polygons(positions, &Polygons::new(triangles.iter().map(|t| &t[..])), crease_deg)
-    }
-
-    /// Makes the mesh of `polygons` over `positions`, which must have their sites, cut into triangles ([`triangulated`]).
-    /// A polygon counts as one face in the averages, with its Newell normal. Corners with a given normal keep it. Given
-    /// normals at one site that differ by less than 0.1° are merged, and an edge is a crease if the normals of its two
-    /// sides differ.
-    ///
-    /// # Errors
-    /// The same errors as [`Mesh::new`].
-    pub fn from_polygons(positions: &[DVec3], polygons: &Polygons, crease_deg: f64) -> Result<Mesh, String> {
+    /// No polygon has an area, or a position is not finite.
+    pub fn mesh(&self, crease_deg: f64) -> Result<Mesh, String> {
         // NaN does not count as within.
         let within = |p: &DVec3| p.to_array().iter().all(|x| x.abs() <= MAX_COORDINATE);
-        if let Some(at) = positions.iter().position(|p| !within(p)) {
+        if let Some(at) = self.positions.iter().position(|p| !within(p)) {
             let expected = "expected three finite numbers within ±1e30";
             return Err(format!("position {at} is not finite or is beyond ±1e30; {expected}"));
         }
-        let (mut triangles, mut normals, mut faces, mut given) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        let mut paint = Paint { corners: Vec::new(), of_triangles: Vec::new(), coats: polygons.coats.clone() };
-        for (face, range) in polygons.corners().into_iter().enumerate() {
+        let (mut cut, mut normals) = (Vec::new(), Vec::with_capacity(self.ends.len()));
+        for (face, range) in self.ranges().into_iter().enumerate() {
             checkpoint();
-            let (sites, theirs) = (&polygons.sites[range.clone()], polygons.normals.get(range.clone()));
-            let corners: Vec<DVec3> = sites.iter().map(|i| positions[*i as usize]).collect();
-            let normal = normals::newell(&corners);
-            for triangle in triangulated(&corners) {
-                triangles.push(triangle.map(|k| sites[k as usize]));
-                normals.push(normal);
-                faces.push(face as u32);
-                given.extend(theirs.map(|theirs| triangle.map(|k| theirs[k as usize])));
-                if !polygons.paint.is_empty() {
-                    paint.corners.push(triangle.map(|k| polygons.paint[range.start + k as usize]));
-                    paint.of_triangles.push(polygons.of_polygons[face]);
-                }
-            }
+            let corners = self.places(range.clone());
+            normals.push(normals::newell(&corners));
+            let triangles = triangulated(&corners).into_iter();
+            cut.extend(triangles.map(|triangle| (face, triangle.map(|k| range.start + k as usize))));
         }
         if normals.iter().all(|normal| *normal == DVec3::ZERO) {
             return Err("has no face with a nonzero area; expected at least one".to_owned());
         }
-        let all_given = !given.is_empty() && given.iter().flatten().all(Option::is_some);
-        let crease_deg = if all_given { 180.0 } else { crease_deg };
-        let mesh = normals::averaged(positions, &triangles, &normals, &faces, crease_deg);
-        let mesh = if given.is_empty() { mesh } else { normals::replaced(&mesh, &given) };
-        Ok(if paint.corners.is_empty() { mesh } else { mesh.painted(paint) })
+        let (vertices, of_corners) = normals::vertices(self, &normals, crease_deg);
+        let triangles = cut.iter().map(|(_, corners)| corners.map(|at| of_corners[at])).collect();
+        let mesh = Mesh { vertices, triangles, smooth: None, paint: None };
+        if self.paint.is_empty() {
+            return Ok(mesh);
+        }
+        let painted = |at: usize| self.paint[self.corners[at].vertex as usize];
+        Ok(mesh.painted(Paint {
+            corners: cut.iter().map(|(_, corners)| corners.map(painted)).collect(),
+            of_triangles: cut.iter().map(|(face, _)| self.of_polygons[*face]).collect(),
+            coats: self.coats.clone(),
+        }))
+    }
+}
+
+impl Mesh {
+    /// Makes the mesh of `triangles` over `positions` (the sites), as [`Polygons::mesh`] does.
+    ///
+    /// # Errors
+    /// The same errors as [`Polygons::mesh`].
+    pub fn new(positions: &[DVec3], triangles: &[[u32; 3]], crease_deg: f64) -> Result<Mesh, String> {
+        Polygons::new(positions.to_vec(), triangles).mesh(crease_deg)
     }
 }
 

@@ -8,7 +8,7 @@ pub mod shapes;
 mod smooth;
 mod triangles;
 
-pub use build::{MAX_COORDINATE, Polygons, triangulated};
+pub use build::{Corner, MAX_COORDINATE, Polygons, triangulated};
 pub use normals::{Normals, newell};
 pub use paint::{Coat, Paint, PaintedCorner, Texture, Wrap};
 pub use smooth::Smooth;

@@ -1,14 +1,15 @@
 //! Normals of faces and of vertices, also estimated from the triangles alone.
 
-use std::collections::HashMap;
-
 use glam::DVec3;
 use nalgebra::{SMatrix, SVector};
 use rayon::prelude::*;
 
-use super::triangles::{Mesh, Vertex, sides};
+use super::{
+    build::Polygons,
+    triangles::{Mesh, Vertex},
+};
 use crate::{
-    shading::cubic::{self, join, root},
+    shading::cubic::{self, NONE, join, root},
     system::checkpoint,
     text::names::named,
 };
@@ -35,115 +36,89 @@ pub fn newell(corners: &[DVec3]) -> DVec3 {
     if sum.length() > 1e-14 { sum.normalize() } else { DVec3::ZERO }
 }
 
-/// Makes the mesh of `triangles` with averaged normals, split where faces meet at more than `crease_deg` degrees. For
-/// each triangle, `faces` contains the face to which it belongs, and `normals` the unit normal of that face, or zero if
-/// the face has no area; the triangles of a face are consecutive. A face counts once at each of its corners, as in
-/// Shoaff, however it is cut into triangles.
-pub(super) fn averaged(
-    positions: &[DVec3],
-    triangles: &[[u32; 3]],
-    normals: &[DVec3],
-    faces: &[u32],
-    crease_deg: f64,
-) -> Mesh {
-    // Corner k of triangle t is 3t + k. Corners of one group share one normal.
-    let groups: Vec<u32> = if crease_deg >= 180.0 {
-        triangles.iter().flatten().copied().collect()
-    } else {
-        fans(triangles, normals, crease_deg)
-    };
-    let mut sums = vec![DVec3::ZERO; groups.len().max(positions.len())];
-    let mut last = vec![u32::MAX; sums.len()];
-    for (corner, group) in groups.iter().enumerate() {
-        let (group, face) = (*group as usize, faces[corner / 3]);
-        if std::mem::replace(&mut last[group], face) != face {
-            sums[group] += normals[corner / 3];
-        }
-    }
-    let mut vertices: Vec<Vertex> = Vec::with_capacity(positions.len());
-    let mut shared = vec![u32::MAX; sums.len()];
-    let mut lone: HashMap<(u32, [u64; 3]), u32> = HashMap::new();
-    let mut corner = 0;
-    let triangles = triangles
-        .iter()
-        .map(|sites| {
-            sites.map(|site| {
-                let (group, own) = (groups[corner], normals[corner / 3]);
-                corner += 1;
-                let sum = sums[group as usize];
-                let mut push = |normal: DVec3| {
-                    vertices.push(Vertex { position: positions[site as usize], normal, site });
-                    (vertices.len() - 1) as u32
-                };
-                if sum.length() > 1e-9 {
-                    let at = &mut shared[group as usize];
-                    if *at == u32::MAX {
-                        *at = push(sum.normalize());
-                    }
-                    return *at;
-                }
-                // Faces that point in opposite directions have no mean normal, so each keeps its own. A face without
-                // area is never drawn, but needs some normal.
-                let normal = if own == DVec3::ZERO { DVec3::Z } else { own };
-                *lone.entry((group, normal.to_array().map(f64::to_bits))).or_insert_with(|| push(normal))
-            })
-        })
-        .collect();
-    Mesh { vertices, triangles, smooth: None, paint: None }
-}
-
-/// For each corner, returns the fan of faces around its site to which it belongs, identified by one of the fan's
-/// corners. A fan continues across every edge at which the faces meet at no more than `crease_deg` degrees, so the two
-/// triangles at such an edge share the vertices at both of its ends.
-fn fans(triangles: &[[u32; 3]], normals: &[DVec3], crease_deg: f64) -> Vec<u32> {
-    // The tolerance keeps the two triangles of a flat quad together at 0°.
-    let least_cosine = crease_deg.max(0.0).to_radians().cos() - 1e-9;
-    let mut parent: Vec<u32> = (0..triangles.len() as u32 * 3).collect();
-    let at = |side: u32, on: u32| side / 3 * 3 + (side + on) % 3;
-    let site = |corner: u32| triangles[(corner / 3) as usize][(corner % 3) as usize];
-    // Compare only with the next side. At an edge of two triangles, that is the only pair; at an edge of many, it keeps the
-    // cost linear.
-    for pair in sides(triangles.iter().copied()).windows(2).filter(|pair| pair[0].0 == pair[1].0) {
-        checkpoint();
-        let (one, other) = (pair[0].1, pair[1].1);
-        let [a, b] = [one, other].map(|side| normals[(side / 3) as usize]);
-        if a == DVec3::ZERO || b == DVec3::ZERO || a.dot(b) < least_cosine {
-            continue;
-        }
-        for end in [1, 2] {
-            let on = if site(at(other, 1)) == site(at(one, end)) { 1 } else { 2 };
-            join(&mut parent, at(one, end), at(other, on));
-        }
-    }
-    (0..parent.len() as u32).map(|corner| root(&mut parent, corner)).collect()
-}
-
 /// Given normals at one site that differ by no more than this are merged, because files contain rounded normals.
 const SAME_DEG: f64 = 0.1;
 
 /// The number of a site's normals, newest first, with which another one is compared; this keeps fans of any size fast.
 const COMPARED: usize = 64;
 
-/// Returns `mesh` with its normals replaced by the ones that are `given` for the corners of its triangles. Corners
-/// without a given normal keep their own.
-pub(super) fn replaced(mesh: &Mesh, given: &[[Option<DVec3>; 3]]) -> Mesh {
-    let least_cosine = SAME_DEG.to_radians().cos();
-    let mut vertices: Vec<Vertex> = Vec::with_capacity(mesh.vertices.len());
-    let sites = mesh.vertices.iter().map(|v| v.site as usize + 1).max().unwrap_or(0);
-    let mut of_site: Vec<Vec<u32>> = vec![Vec::new(); sites];
-    let corner = |(corner, given): (u32, Option<DVec3>)| {
-        let own = mesh.vertices[corner as usize];
-        let (normal, known) = (given.unwrap_or(own.normal), &mut of_site[own.site as usize]);
-        let same = |v: &&u32| vertices[**v as usize].normal.dot(normal) >= least_cosine;
-        known.iter().rev().take(COMPARED).find(same).copied().unwrap_or_else(|| {
-            vertices.push(Vertex { normal, ..own });
-            known.push(vertices.len() as u32 - 1);
-            vertices.len() as u32 - 1
-        })
+/// Returns the vertices of polygons whose faces have these unit normals, or zero without an area, and the vertex of each
+/// corner. Normals that were not given are averaged, split where faces meet at more than `crease_deg` degrees. A face
+/// counts once at each of its corners, as in Shoaff.
+pub(super) fn vertices(polygons: &Polygons, faces: &[DVec3], crease_deg: f64) -> (Vec<Vertex>, Vec<u32>) {
+    let (Polygons { positions, corners, .. }, has_normals) = (polygons, polygons.has_normals());
+    // Corners of one group share their averaged normal.
+    let groups: Vec<u32> = if crease_deg >= 180.0 || polygons.has_all_normals() {
+        corners.iter().map(|corner| corner.site).collect()
+    } else {
+        fans(polygons, faces, crease_deg)
     };
-    let corners = mesh.triangles.iter().flatten().copied().zip(given.iter().flatten().copied());
-    let corners: Vec<u32> = corners.map(corner).collect();
-    Mesh { vertices, triangles: corners.as_chunks().0.to_vec(), smooth: mesh.smooth, paint: mesh.paint.clone() }
+    let count = corners.len().max(positions.len());
+    let (mut sums, mut last) = (vec![DVec3::ZERO; count], vec![NONE; count]);
+    for (face, range) in polygons.ranges().into_iter().enumerate() {
+        for group in &groups[range] {
+            if std::mem::replace(&mut last[*group as usize], face as u32) != face as u32 {
+                sums[*group as usize] += faces[face];
+            }
+        }
+    }
+    let least_cosine = SAME_DEG.to_radians().cos();
+    let mut vertices: Vec<Vertex> = Vec::with_capacity(positions.len());
+    // The newest vertex of each group or, with given normals, of each site; and the one before each vertex.
+    let (mut newest, mut before) = (vec![NONE; count], Vec::with_capacity(positions.len()));
+    let mut of_corners = Vec::with_capacity(corners.len());
+    for (face, range) in polygons.ranges().into_iter().enumerate() {
+        for (corner, group) in corners[range.clone()].iter().zip(&groups[range]) {
+            let averaged = || match sums[*group as usize] {
+                sum if sum.length() > 1e-9 => sum.normalize(),
+                // Faces that point in opposite directions have no mean normal, so each keeps its own. A face without
+                // area is never drawn, but needs some normal.
+                _ if faces[face] == DVec3::ZERO => DVec3::Z,
+                _ => faces[face],
+            };
+            let normal = polygons.normal(corner).unwrap_or_else(averaged);
+            let newest = &mut newest[if has_normals { corner.site } else { *group } as usize];
+            let older = |vertex: u32| (vertex != NONE).then_some(vertex);
+            let known = std::iter::successors(older(*newest), |vertex| older(before[*vertex as usize]));
+            let mut known = known.take(COMPARED).filter(|vertex| {
+                let other = vertices[*vertex as usize].normal;
+                if has_normals { other.dot(normal) >= least_cosine } else { other == normal }
+            });
+            of_corners.push(known.next().unwrap_or_else(|| {
+                before.push(std::mem::replace(newest, vertices.len() as u32));
+                vertices.push(Vertex { position: positions[corner.site as usize], normal, site: corner.site });
+                *newest
+            }));
+        }
+    }
+    (vertices, of_corners)
+}
+
+/// For each corner, returns the fan of faces around its site to which it belongs, identified by one of the fan's
+/// corners. A fan continues across every edge at which the faces meet at no more than `crease_deg` degrees, so the two
+/// faces at such an edge share the vertices at both of its ends.
+fn fans(polygons: &Polygons, faces: &[DVec3], crease_deg: f64) -> Vec<u32> {
+    // The tolerance keeps the two triangles of a flat quad together at 0°.
+    let least_cosine = crease_deg.max(0.0).to_radians().cos() - 1e-9;
+    let mut parent: Vec<u32> = (0..polygons.corners.len() as u32).collect();
+    let site = |corner: u32| polygons.corners[corner as usize].site;
+    let mut sides = polygons.sides();
+    // A face without area must not separate two others.
+    sides.retain(|side| faces[side.face as usize] != DVec3::ZERO);
+    // Compare only with the next side. At an edge of two faces, that is the only pair; at an edge of many, it keeps the
+    // cost linear.
+    for pair in sides.windows(2).filter(|pair| pair[0].edge == pair[1].edge) {
+        checkpoint();
+        let [a, b] = [0, 1].map(|k| faces[pair[k].face as usize]);
+        if a.dot(b) < least_cosine {
+            continue;
+        }
+        for own in pair[0].corners {
+            let theirs = pair[1].corners.into_iter().find(|other| site(*other) == site(own));
+            theirs.into_iter().for_each(|other| join(&mut parent, own, other));
+        }
+    }
+    (0..parent.len() as u32).map(|corner| root(&mut parent, corner)).collect()
 }
 
 named! {

@@ -1,6 +1,9 @@
 //! Repairs faces from files: joins open edges that lie in the same place, and gives neighboring faces the same winding.
 
-use std::collections::{BTreeMap, HashMap};
+use std::{
+    collections::{BTreeMap, HashMap},
+    ops::Range,
+};
 
 use glam::DVec3;
 
@@ -18,8 +21,8 @@ const SHORT: f64 = 1e-6;
 impl Polygons {
     /// Joins positions on open edges that are almost the same, and the ends of edges without a length to speak of. Returns
     /// the number of positions that were joined with another one.
-    pub fn weld(&mut self, positions: &[DVec3]) -> usize {
-        let edges = self.edges();
+    pub fn weld(&mut self) -> usize {
+        let (edges, positions) = (self.edges(), &self.positions);
         let length = |[a, b]: &[u32; 2]| positions[*a as usize].distance(positions[*b as usize]);
         let mut lengths: Vec<f64> = edges.iter().map(|(edge, _)| length(edge)).filter(|length| *length > 0.0).collect();
         lengths.sort_unstable_by(f64::total_cmp);
@@ -55,8 +58,8 @@ impl Polygons {
                 joined.insert(site, other);
             }
         }
-        for site in &mut self.sites {
-            *site = *joined.get(site).unwrap_or(site);
+        for corner in &mut self.corners {
+            corner.site = *joined.get(&corner.site).unwrap_or(&corner.site);
         }
         if !joined.is_empty() {
             self.drop_collapsed();
@@ -66,7 +69,7 @@ impl Polygons {
 
     /// Returns the edges in order, each with its lower site first, and the number of faces at each.
     fn edges(&self) -> Vec<([u32; 2], usize)> {
-        self.sides().chunk_by(|a, b| a.0 == b.0).map(|same| (same[0].0, same.len())).collect()
+        self.sides().chunk_by(|a, b| a.edge == b.edge).map(|same| (same[0].edge, same.len())).collect()
     }
 }
 
@@ -102,23 +105,23 @@ impl Polygons {
     /// not connect. If closed parts without such edges enclose a negative volume together, all of these are reversed; the
     /// second number counts their faces. A part with given normals faces to their side; the third number counts the faces
     /// that are reversed for it.
-    pub fn unify_winding(&mut self, positions: &[DVec3]) -> [usize; 3] {
-        let (corners, has_normals) = (self.corners(), self.has_normals());
+    pub fn unify_winding(&mut self) -> [usize; 3] {
+        let (ranges, has_normals) = (self.ranges(), self.has_normals());
         let mut neighbors = vec![Vec::new(); self.ends.len()];
         let mut is_open = vec![false; self.ends.len()];
-        for sides in self.sides().chunk_by(|a, b| a.0 == b.0) {
+        for sides in self.sides().chunk_by(|a, b| a.edge == b.edge) {
             if sides.len() != 2 {
-                sides.iter().for_each(|(_, face, _)| is_open[*face as usize] = true);
+                sides.iter().for_each(|side| is_open[side.face as usize] = true);
             }
-            if let [(_, a, forth), (_, b, back)] = sides[..]
-                && a != b
+            if let [a, b] = sides
+                && a.face != b.face
             {
-                neighbors[a as usize].push((b, forth == back));
-                neighbors[b as usize].push((a, forth == back));
+                let differs = self.corners[a.corners[0] as usize].site == self.corners[b.corners[0] as usize].site;
+                neighbors[a.face as usize].push((b.face, differs));
+                neighbors[b.face as usize].push((a.face, differs));
             }
         }
         let mut is_reversed: Vec<Option<bool>> = vec![None; self.ends.len()];
-        let place = |site: &u32| positions.get(*site as usize).copied().unwrap_or_default();
         let (mut count, mut turned, mut opposed, mut volume, mut right) = (0, 0, 0, 0.0, Vec::new());
         for first in 0..self.ends.len() {
             if is_reversed[first].is_some() {
@@ -144,19 +147,20 @@ impl Polygons {
                 continue;
             }
             let mut fewer = 2 * reversed <= part.len();
-            let origin = place(&self.sites[corners[part[0]].start]);
+            let place = |corner: usize| self.positions[self.corners[corner].site as usize];
+            let origin = place(ranges[part[0]].start);
             // The sum over the part of what `of` is for a triangle of one of its faces.
             let sum = |of: &dyn Fn(usize, [DVec3; 3]) -> f64| -> f64 {
                 let of_face = |face: &usize| {
-                    let sites = &self.sites[corners[*face].clone()];
-                    let fan = sites.windows(2).map(|pair| [sites[0], pair[0], pair[1]].map(|s| place(&s) - origin));
+                    let Range { start, end } = ranges[*face];
+                    let fan = (start + 1..end).map(|at| [start, at - 1, at].map(|at| place(at) - origin));
                     let sum: f64 = fan.map(|triangle| of(*face, triangle)).sum();
                     if is_reversed[*face] == Some(true) { -sum } else { sum }
                 };
                 part.iter().map(of_face).sum()
             };
             let along_normals = |face: usize, [a, b, c]: [DVec3; 3]| {
-                let normals = self.normals.get(corners[face].clone()).into_iter().flatten().flatten();
+                let normals = self.corners[ranges[face].clone()].iter().filter_map(|corner| self.normal(corner));
                 (b - a).cross(c - a).dot(normals.sum())
             };
             let agreement = if has_normals { sum(&along_normals) } else { 0.0 };
@@ -172,20 +176,14 @@ impl Polygons {
                 }
             }
             for face in part.into_iter().filter(|face| is_reversed[*face] == Some(fewer)) {
-                self.reverse(corners[face].clone());
+                self.corners[ranges[face].clone()].reverse();
                 *(if agreement == 0.0 { &mut count } else { &mut opposed }) += 1;
             }
         }
         if volume < 0.0 {
             turned = right.len();
-            right.into_iter().for_each(|face: usize| self.reverse(corners[face].clone()));
+            right.into_iter().for_each(|face: usize| self.corners[ranges[face].clone()].reverse());
         }
         [count, turned, opposed]
-    }
-
-    fn reverse(&mut self, corners: std::ops::Range<usize>) {
-        self.sites[corners.clone()].reverse();
-        self.normals.get_mut(corners.clone()).map(<[_]>::reverse);
-        self.paint.get_mut(corners).map(<[_]>::reverse);
     }
 }

@@ -4,13 +4,13 @@
 //! normals of the [`Smooth`] surface that they approximate; the normals of the others are averaged over the faces around
 //! each vertex, as is usual.
 
-use std::{collections::HashMap, f64::consts::TAU};
+use std::f64::consts::TAU;
 
 use delaunator::{Point, triangulate};
 use glam::{DVec2, DVec3};
 
 use super::{
-    build::Polygons,
+    build::{Corner, Polygons},
     smooth::{FILLET, HALF_HEIGHT, Smooth, TUBE, blob_radius, terrain_height},
     triangles::Mesh,
 };
@@ -49,11 +49,6 @@ impl Shape {
     /// True if the number of vertices can be chosen. It is fixed for the cube and the pyramid.
     pub const fn has_vertices(self) -> bool {
         !matches!(self, Shape::Cube | Shape::Pyramid)
-    }
-
-    /// Says that there is neither a shape nor a file of this name.
-    pub fn missing(name: &str) -> String {
-        format!("{name:?} is not known; expected {}, or an OBJ, PLY, glTF or GLB file", Shape::EXPECTED)
     }
 
     /// The fewest vertices that the shape can have.
@@ -109,7 +104,7 @@ pub fn cube() -> Mesh {
         .map(|i| DVec3::new(f64::from(i & 1), f64::from((i >> 1) & 1), f64::from((i >> 2) & 1)) * 2.0 - DVec3::ONE)
         .collect();
     let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-    solid(&positions, &Polygons::new(faces.iter().map(|face| &face[..])))
+    solid(&Polygons::new(positions, &faces))
 }
 
 /// Makes Shoaff's truncated pyramid (§4.1), closed by a base: V1…V8 are sites 0…7, with 12 triangles.
@@ -122,19 +117,14 @@ pub fn pyramid() -> Mesh {
         [(-half, -half), (half, -half), (half, half), (-half, half)].map(|(x, y)| DVec3::new(x, y, z))
     };
     let positions = [square(1.0, 1.0), square(2.0, 0.0)].concat();
-    let mut polygons = Polygons::default();
-    for face in [[0, 1, 2, 3], [4, 5, 1, 0], [5, 6, 2, 1], [6, 7, 3, 2], [7, 4, 0, 3], [7, 6, 5, 4]] {
-        polygons.push(face.map(|site: u32| {
-            let p = positions[site as usize];
-            let outward = DVec3::new(p.x.signum(), p.y.signum(), if p.z > 0.0 { 3.0 } else { 1.0 });
-            (site, Some(outward.normalize()))
-        }));
-    }
-    solid(&positions, &polygons)
+    let faces = [[0, 1, 2, 3], [4, 5, 1, 0], [5, 6, 2, 1], [6, 7, 3, 2], [7, 4, 0, 3], [7, 6, 5, 4]];
+    let outward = |p: &DVec3| DVec3::new(p.x.signum(), p.y.signum(), if p.z > 0.0 { 3.0 } else { 1.0 });
+    let normals = positions.iter().map(|p| Some(outward(p).normalize())).collect();
+    solid(&Polygons { normals, ..Polygons::new(positions, &faces) })
 }
 
-fn solid(positions: &[DVec3], polygons: &Polygons) -> Mesh {
-    Mesh::from_polygons(positions, polygons, 180.0).expect("a solid is a mesh")
+fn solid(polygons: &Polygons) -> Mesh {
+    polygons.mesh(180.0).expect("a solid is a mesh")
 }
 
 /// Makes the unit sphere: an icosahedron whose edges are cut into s = `subdivisions` parts (at least 1) and whose
@@ -142,58 +132,33 @@ fn solid(positions: &[DVec3], polygons: &Polygons) -> Mesh {
 /// shape.
 pub fn sphere(subdivisions: usize) -> Mesh {
     let s = subdivisions.max(1);
-    let (corners, faces) = icosahedron();
-    let mut positions: Vec<DVec3> = Vec::with_capacity(10 * s * s + 2);
-    // A position is identified by the integer weights of the face's corners, without zero weights, so that all faces
-    // that share the position agree.
-    let mut index: HashMap<[(usize, usize); 3], u32> = HashMap::with_capacity(10 * s * s + 2);
-    let mut triangles = Vec::with_capacity(20 * s * s);
-    for face in faces {
-        let mut site = |i: usize, j: usize| {
-            let mut key =
-                [(face[0], s - i - j), (face[1], i), (face[2], j)].map(|(c, w)| if w == 0 { (0, 0) } else { (c, w) });
-            key.sort_unstable();
-            *index.entry(key).or_insert_with(|| {
-                let sum: DVec3 = key.iter().map(|(corner, weight)| corners[*corner] * *weight as f64).sum();
-                positions.push(sum.normalize());
-                (positions.len() - 1) as u32
-            })
-        };
-        for i in 0..s {
-            for j in 0..s - i {
-                let (a, b, c) = (site(i, j), site(i + 1, j), site(i, j + 1));
-                triangles.push([a, b, c]);
-                if i + j + 2 <= s {
-                    triangles.push([b, site(i + 1, j + 1), c]);
-                }
-            }
-        }
-    }
-    round(&positions, &triangles, Smooth::Sphere)
-}
-
-/// Returns the corners at distance 1 from the origin, and the faces, counterclockwise as seen from outside.
-fn icosahedron() -> (Vec<DVec3>, Vec<[usize; 3]>) {
     let golden = f64::midpoint(1.0, 5f64.sqrt());
-    let corners: Vec<DVec3> = (0..12)
-        .map(|i| {
-            let (a, b) = (if i & 1 == 0 { 1.0 } else { -1.0 }, if i & 2 == 0 { golden } else { -golden });
-            [DVec3::new(0.0, a, b), DVec3::new(a, b, 0.0), DVec3::new(b, 0.0, a)][i / 4].normalize()
-        })
-        .collect();
-    let near = |i: usize, j: usize| corners[i].dot(corners[j]) > 0.4;
-    let mut faces = Vec::with_capacity(20);
-    for i in 0..12 {
-        for j in i + 1..12 {
-            for k in j + 1..12 {
-                if near(i, j) && near(j, k) && near(k, i) {
-                    let outward = (corners[j] - corners[i]).cross(corners[k] - corners[i]).dot(corners[i]) > 0.0;
-                    faces.push(if outward { [i, j, k] } else { [i, k, j] });
-                }
+    let corner = |i: usize| {
+        let (a, b) = (if i & 1 == 0 { 1.0 } else { -1.0 }, if i & 2 == 0 { golden } else { -golden });
+        [DVec3::new(0.0, a, b), DVec3::new(a, b, 0.0), DVec3::new(b, 0.0, a)][i / 4].normalize()
+    };
+    let corners: Vec<DVec3> = (0..12).map(corner).collect();
+    let mut polygons = Polygons::default();
+    for face in hull(&corners) {
+        let first = polygons.positions.len();
+        for (i, j) in (0..=s).flat_map(|i| (0..=s - i).map(move |j| (i, j))) {
+            let mut weights = [(face[0], s - i - j), (face[1], i), (face[2], j)];
+            // In one order, so that all faces that share a position agree.
+            weights.sort_unstable();
+            let sum: DVec3 = weights.iter().map(|(corner, weight)| corners[*corner as usize] * *weight as f64).sum();
+            polygons.positions.push(sum.normalize());
+        }
+        // Row i has s + 1 − i positions.
+        let site = |i: usize, j: usize| Corner::of((first + i * (2 * s + 3 - i) / 2 + j) as u32);
+        for (i, j) in (0..s).flat_map(|i| (0..s - i).map(move |j| (i, j))) {
+            polygons.push([site(i, j), site(i + 1, j), site(i, j + 1)]);
+            if i + j + 2 <= s {
+                polygons.push([site(i + 1, j), site(i + 1, j + 1), site(i, j + 1)]);
             }
         }
     }
-    (corners, faces)
+    polygons.merge();
+    round(&polygons, Smooth::Sphere)
 }
 
 /// Makes the torus around the z axis with radius 1 and a tube of radius 0.4. It has `around` sites (at least 3) in each
@@ -224,7 +189,7 @@ pub fn torus(around: usize, tube: usize, jitter: f64) -> Mesh {
             }
         }
     }
-    round(&positions, &triangles, Smooth::Torus)
+    round(&Polygons::new(positions, &triangles), Smooth::Torus)
 }
 
 /// Returns a pseudo-random number from −1 to 1 that depends only on `at` (SplitMix64).
@@ -243,10 +208,9 @@ fn torus_of(vertices: usize, jitter: f64) -> Mesh {
     torus((vertices as f64 / tube as f64).round() as usize, tube, jitter)
 }
 
-/// Makes a mesh with the normals of `smooth`.
-fn round(positions: &[DVec3], triangles: &[[u32; 3]], smooth: Smooth) -> Mesh {
-    let mesh = Mesh::new(positions, triangles, 180.0).expect("a round surface is a mesh");
-    Mesh { smooth: Some(smooth), ..mesh.with_normals(|place| smooth.normal(place)) }
+/// Makes a mesh with the normals of a smooth surface.
+fn round(polygons: &Polygons, smooth: Smooth) -> Mesh {
+    Mesh { smooth: Some(smooth), ..solid(polygons).with_normals(|place| smooth.normal(place)) }
 }
 
 /// The fewest bands between parallels of a sphere.
@@ -256,13 +220,12 @@ const MIN_PARALLELS: usize = 2;
 fn uv_sphere(parallels: usize) -> Mesh {
     let band = |band: usize| (std::f64::consts::PI * band as f64 / parallels as f64).sin_cos();
     let bands: Vec<(f64, f64)> = (1..parallels).map(band).collect();
-    let (positions, triangles) = turned(&bands, 12 * parallels, Some(1.0));
-    round(&positions, &triangles, Smooth::Sphere)
+    round(&turned(&bands, 12 * parallels, Some(1.0)), Smooth::Sphere)
 }
 
-/// Turns a profile of (radius, z), from top to bottom, around the z axis into `sides` sides, as positions and triangles.
+/// Turns a profile of (radius, z), from top to bottom, around the z axis into `sides` sides.
 /// The ends of the profile are closed by poles at z = ±`pole`, if given, or left open.
-fn turned(profile: &[(f64, f64)], sides: usize, pole: Option<f64>) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+fn turned(profile: &[(f64, f64)], sides: usize, pole: Option<f64>) -> Polygons {
     let place = |(radius, z): (f64, f64), side: usize| {
         let (y, x) = (TAU * side as f64 / sides as f64).sin_cos();
         DVec3::new(radius * x, radius * y, z)
@@ -287,7 +250,7 @@ fn turned(profile: &[(f64, f64)], sides: usize, pole: Option<f64>) -> (Vec<DVec3
             triangles.push([bottom, site(last, side + 1), site(last, side)]);
         }
     }
-    (positions, triangles)
+    Polygons::new(positions, &triangles)
 }
 
 /// The fewest sides of a cylinder.
@@ -318,18 +281,16 @@ fn rings(fillet: f64, parts: usize) -> Vec<(f64, f64)> {
 fn cylinder(sides: usize, is_filleted: bool) -> Mesh {
     let sides = sides.max(MIN_SIDES);
     if is_filleted {
-        let (positions, triangles) = turned(&rings(FILLET, fillet_parts(sides)), sides, Some(HALF_HEIGHT));
-        return round(&positions, &triangles, Smooth::Cylinder { fillet: FILLET });
+        let polygons = turned(&rings(FILLET, fillet_parts(sides)), sides, Some(HALF_HEIGHT));
+        return round(&polygons, Smooth::Cylinder { fillet: FILLET });
     }
-    let (positions, triangles) = turned(&rings(0.0, 0), sides, None);
-    let mut polygons = Polygons::default();
-    for corners in triangles {
-        polygons.push(corners.map(|site| (site, Some(positions[site as usize].truncate().normalize().extend(0.0)))));
-    }
-    let sides = sides as u32;
-    polygons.push((0..sides).map(|side| (side, Some(DVec3::Z))));
-    polygons.push((0..sides).rev().map(|side| (sides + side, Some(DVec3::NEG_Z))));
-    Mesh { smooth: Some(Smooth::Cylinder { fillet: 0.0 }), ..solid(&positions, &polygons) }
+    let mut polygons = turned(&rings(0.0, 0), sides, None);
+    let outward = |p: &DVec3| Some(p.truncate().normalize().extend(0.0));
+    polygons.normals = polygons.positions.iter().map(outward).chain([Some(DVec3::Z), Some(DVec3::NEG_Z)]).collect();
+    let (sides, top, bottom) = (sides as u32, 2 * sides as u32, 2 * sides as u32 + 1);
+    polygons.push((0..sides).map(|side| Corner { normal: Some(top), ..Corner::of(side) }));
+    polygons.push((0..sides).rev().map(|side| Corner { normal: Some(bottom), ..Corner::of(sides + side) }));
+    Mesh { smooth: Some(Smooth::Cylinder { fillet: 0.0 }), ..solid(&polygons) }
 }
 
 /// Makes hills over a square of `cells` × `cells` cells with two triangles each.
@@ -345,7 +306,7 @@ fn terrain(cells: usize) -> Mesh {
     let above = side as u32;
     let triangles: Vec<[u32; 3]> =
         corners.flat_map(|a| [[a, a + 1, a + above + 1], [a, a + above + 1, a + above]]).collect();
-    round(&positions, &triangles, Smooth::Terrain)
+    round(&Polygons::new(positions, &triangles), Smooth::Terrain)
 }
 
 /// Returns `count` points spread evenly over the unit sphere: the i-th point is at z = 1 − (2i + 1)/`count`, rotated
@@ -367,8 +328,8 @@ pub fn fibonacci_points(count: usize) -> Vec<DVec3> {
 /// it has hollows and no symmetry.
 pub fn blob(count: usize) -> Mesh {
     let points = fibonacci_points(count);
-    let positions: Vec<DVec3> = points.iter().map(|p| *p * blob_radius(*p).0).collect();
-    round(&positions, &hull(&points), Smooth::Blob)
+    let positions = points.iter().map(|p| *p * blob_radius(*p).0).collect();
+    round(&Polygons::new(positions, &hull(&points)), Smooth::Blob)
 }
 
 /// Returns the triangles of the convex hull of n `points`, which must be at least 4 different points on the unit

@@ -78,20 +78,6 @@ pub enum Across {
     NonManifold,
 }
 
-/// Returns the sides of triangles, which are given by their sites, in the order of their edges: the edge, with its lower site
-/// first, and the side. Triangles that use one site twice are left out: they must not separate two others.
-pub(super) fn sides(triangles: impl Iterator<Item = [u32; 3]>) -> Vec<([u32; 2], u32)> {
-    let mut sides = Vec::new();
-    for (t, [a, b, c]) in (0..).zip(triangles) {
-        checkpoint();
-        if a != b && b != c && c != a {
-            sides.extend([(b, c, 0), (c, a, 1), (a, b, 2)].map(|(a, b, k)| ([a.min(b), a.max(b)], 3 * t + k)));
-        }
-    }
-    sides.sort_unstable();
-    sides
-}
-
 /// A mesh with its edges and its curvature, which depend on neither the view nor the light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
@@ -114,7 +100,16 @@ impl Surface {
         let site = |vertex: u32| mesh.vertices[vertex as usize].site;
         let mut across = vec![[Across::NonManifold; 3]; mesh.triangles.len()];
         let mut non_manifold = 0;
-        for edge in sides(mesh.triangles.iter().map(|t| t.map(site))).chunk_by(|a, b| a.0 == b.0) {
+        let mut sides = Vec::new();
+        for (t, [a, b, c]) in (0..).zip(mesh.triangles.iter().map(|t| t.map(site))) {
+            checkpoint();
+            // Triangles that use one site twice must not separate two others.
+            if a != b && b != c && c != a {
+                sides.extend([(b, c, 0), (c, a, 1), (a, b, 2)].map(|(a, b, k)| ([a.min(b), a.max(b)], 3 * t + k)));
+            }
+        }
+        sides.sort_unstable();
+        for edge in sides.chunk_by(|a, b| a.0 == b.0) {
             let mut set = |side: u32, to: Across| across[(side / 3) as usize][(side % 3) as usize] = to;
             match *edge {
                 [(_, side)] => set(side, Across::Border),

@@ -92,7 +92,8 @@ impl Strips<'_> {
     /// reflection of A through the midpoint of the edge.
     fn beyond(&self, triangle: usize, k: usize, w: [f64; 3]) -> Option<DVec3> {
         let neighbor = self.frame.triangles[triangle].across[k]?;
-        let (apex, (i, j)) = (self.frame.vertices[neighbor.apex as usize].light, OTHERS[k]);
+        let apex = self.frame.corners(neighbor.triangle as usize)[neighbor.corner as usize].light;
+        let (i, j) = OTHERS[k];
         let a = w[i] * 2.0 / (w[i] + w[j]) - 1.0;
         let size = a.abs();
         let f = size * 2.0 / (size + 1.0);

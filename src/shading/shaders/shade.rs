@@ -1,7 +1,5 @@
 //! A shader and its options.
 
-use serde::Serialize;
-
 use crate::{light::Depth, text::names::named};
 
 named! {
@@ -42,7 +40,7 @@ named! {
 }
 
 /// A shader with its options.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shade {
     /// The shader.
     pub shader: Shader,

@@ -1,9 +1,6 @@
 //! Faces from files, which become a mesh.
 
-use std::{
-    collections::{BTreeSet, HashMap},
-    f64::consts::PI,
-};
+use std::{collections::BTreeSet, f64::consts::PI};
 
 use glam::DVec3;
 
@@ -11,7 +8,7 @@ use super::MeshFile;
 
 use crate::{
     light::Transfer,
-    shading::{Coat, Mesh, Normals, PaintedCorner, Polygons},
+    shading::{Coat, Normals, PaintedCorner, Polygons},
     store::FileErrors,
 };
 
@@ -23,49 +20,50 @@ pub(super) const MAX_CORNERS: usize = 1024;
 /// than ten.
 const MAX_LAYERS: f64 = 10_000.0;
 
-/// The faces of a file. Vertices at exactly the same position are merged.
+/// What a file lists.
 #[derive(Default)]
 pub(super) struct Faces {
-    /// The distinct positions.
-    positions: Vec<DVec3>,
-    sites: HashMap<[u64; 3], u32>,
-    /// The faces, whose sites index the positions.
+    /// The positions, normals, paint and corners as they are listed.
     pub polygons: Polygons,
-    /// What the reader ignored or assumed, as sentences without their ends.
+    /// The color of each position, as it is written; shorter if the last ones have none.
+    colors: Vec<Option<DVec3>>,
+    /// What the reader ignored.
+    pub ignored: BTreeSet<&'static str>,
+    /// What else the reader ignored or assumed, as sentences without their ends.
     pub notes: Vec<String>,
     /// True if faces without normals are flat.
     pub is_flat: bool,
-    /// True if faces without an area were left out.
-    is_degenerate: bool,
 }
 
 impl Faces {
-    /// Returns the site of a position.
-    pub fn site(&mut self, position: DVec3) -> u32 {
-        // Adding 0 turns −0 into 0.
-        let position = position + DVec3::ZERO;
-        *self.sites.entry(position.to_array().map(f64::to_bits)).or_insert_with(|| {
-            self.positions.push(position);
-            (self.positions.len() - 1) as u32
-        })
+    /// Adds a position, with its color as it is written.
+    pub fn position(&mut self, position: DVec3, color: Option<DVec3>) {
+        if color.is_some() {
+            self.colors.resize(self.polygons.positions.len(), None);
+            self.colors.push(color);
+        }
+        self.polygons.positions.push(position);
     }
 
-    /// Adds a face, with its coat if it is painted. Corners that repeat their neighbor are left out, and so are faces with
-    /// fewer than three others: they would make edges of their own.
-    pub fn add(&mut self, mut corners: Vec<(u32, Option<DVec3>, PaintedCorner)>, coat: Option<u32>) {
-        corners.dedup_by_key(|(site, ..)| *site);
-        if corners.len() > 1 && corners[0].0 == corners[corners.len() - 1].0 {
-            corners.pop();
+    /// Paints the polygons with the colors of their positions, if there are any.
+    fn paint(&mut self) {
+        let Self { polygons, colors, notes, .. } = self;
+        if colors.is_empty() {
+            return;
         }
-        match coat {
-            _ if corners.len() < 3 => self.is_degenerate = true,
-            Some(coat) => self.polygons.push_painted(corners, coat),
-            None => self.polygons.push(corners.into_iter().map(|(site, normal, _)| (site, normal))),
+        let largest = colors.iter().flatten().map(|color| color.max_element()).fold(0.0, f64::max);
+        if largest > 1.0 {
+            notes.push("colors above 1 are taken as codes of 8 bits".to_owned());
         }
+        colors.resize(polygons.positions.len(), None);
+        polygons.paint = colors.iter().map(|color| paint(*color, largest)).collect();
+        polygons.of_polygons = vec![0; polygons.ends.len()];
+        polygons.coats = vec![Coat::default()];
     }
 
-    /// Returns the mesh, with edges joined that lie in the same place, and with faces reversed so that neighbors have the
-    /// same winding. `expected` says what a file with faces has, and `normals` which normals will be used.
+    /// Returns the mesh, with vertices merged that are at exactly the same position, with edges joined that lie in the same
+    /// place, and with faces reversed so that neighbors have the same winding. `expected` says what a file with faces has,
+    /// and `normals` which normals will be used.
     ///
     /// # Errors
     /// There are no faces, none of them has an area, or they cover the same place too often.
@@ -76,24 +74,27 @@ impl Faces {
         expected: &str,
         normals: Normals,
     ) -> Result<MeshFile, FileErrors> {
-        let repeated = self.polygons.drop_repeated();
-        let joined = self.polygons.weld(&self.positions);
-        self.is_degenerate |= joined > 0;
-        let [reversed, turned, opposed] = self.polygons.unify_winding(&self.positions);
-        // Not before the winding is right, which decides to which side they face.
-        if self.is_flat && self.polygons.flatten(&self.positions) {
-            let note = "faces without normals are flat, as the specification of glTF says; averaged normals would make them smooth";
-            self.notes.push(note.to_owned());
-        }
-        let has_normals = self.polygons.has_normals();
-        if crease_deg != 180.0 && self.polygons.has_all_normals() {
-            self.notes.push("the crease angle has no effect, because every corner has a normal".to_owned());
-        }
-        if self.polygons.ends.is_empty() && !self.is_degenerate {
+        if self.polygons.ends.is_empty() {
             return Err(FileErrors::whole(file, format!("has no faces; expected {expected}")));
         }
-        let mesh = Mesh::from_polygons(&self.positions, &self.polygons, crease_deg)
-            .map_err(|message| FileErrors::whole(file, message))?;
+        self.paint();
+        let Self { mut polygons, ignored, notes, is_flat, .. } = self;
+        let mut notes: Vec<String> = ignored.into_iter().map(str::to_owned).chain(notes).collect();
+        polygons.merge();
+        polygons.drop_collapsed();
+        let repeated = polygons.drop_repeated();
+        let joined = polygons.weld();
+        let [reversed, turned, opposed] = polygons.unify_winding();
+        // Not before the winding is right, which decides to which side they face.
+        if is_flat && polygons.flatten() {
+            let note = "faces without normals are flat, as the specification of glTF says; averaged normals would make them smooth";
+            notes.push(note.to_owned());
+        }
+        let has_normals = polygons.has_normals();
+        if crease_deg != 180.0 && polygons.has_all_normals() {
+            notes.push("the crease angle has no effect, because every corner has a normal".to_owned());
+        }
+        let mesh = polygons.mesh(crease_deg).map_err(|message| FileErrors::whole(file, message))?;
         let area = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).length() / 2.0;
         let (area, (_, radius)) =
             ((0..mesh.triangles.len()).map(|i| area(mesh.corners(i))).sum::<f64>(), mesh.bounds());
@@ -103,7 +104,6 @@ impl Faces {
                 format!("its triangles cover its outline {layers:.0} times; expected at most {MAX_LAYERS} times");
             return Err(FileErrors::whole(file, message));
         }
-        let Self { mut notes, .. } = self;
         for (number, what, of, why) in [
             (repeated, "left out", "repeated face", ""),
             (reversed, "reversed", "face", ", because the neighbors go around the other way"),
@@ -117,54 +117,6 @@ impl Faces {
         }
         let is_wanted = !has_normals && matches!(normals, Normals::Given | Normals::Best);
         Ok(MeshFile { mesh: if is_wanted { mesh.estimated(Normals::Best) } else { mesh }, notes })
-    }
-}
-
-/// What an OBJ or PLY file lists: vertices, normals, and faces that refer to them.
-#[derive(Default)]
-pub(super) struct Listed {
-    pub vertices: Vec<DVec3>,
-    /// The color of each vertex, as it is written; shorter if the last ones have none.
-    colors: Vec<Option<DVec3>>,
-    /// The normals; `None` for a normal that is zero or not finite.
-    pub normals: Vec<Option<DVec3>>,
-    /// The corners of all faces, each with its vertex and its normal, from 0.
-    pub corners: Vec<(usize, Option<usize>)>,
-    /// Where each face ends in `corners`.
-    pub ends: Vec<usize>,
-    /// What was ignored.
-    pub notes: BTreeSet<&'static str>,
-}
-
-impl Listed {
-    /// Adds a vertex, with its color as it is written.
-    pub fn vertex(&mut self, position: DVec3, color: Option<DVec3>) {
-        if color.is_some() {
-            self.colors.resize(self.vertices.len(), None);
-            self.colors.push(color);
-        }
-        self.vertices.push(position);
-    }
-
-    pub fn faces(self) -> Faces {
-        let mut faces = Faces { notes: self.notes.into_iter().map(str::to_owned).collect(), ..Faces::default() };
-        let largest = self.colors.iter().flatten().map(|color| color.max_element()).fold(0.0, f64::max);
-        if largest > 1.0 {
-            faces.notes.push("colors above 1 are taken as codes of 8 bits".to_owned());
-        }
-        let coat = (!self.colors.is_empty()).then_some(0);
-        faces.polygons.coats.extend(coat.map(|_| Coat::default()));
-        let mut start = 0;
-        for end in self.ends {
-            let corner = |(vertex, normal): &(usize, Option<usize>)| {
-                let color = self.colors.get(*vertex).copied().flatten();
-                (faces.site(self.vertices[*vertex]), normal.and_then(|n| self.normals[n]), paint(color, largest))
-            };
-            let corners = self.corners[start..end].iter().map(corner).collect();
-            faces.add(corners, coat);
-            start = end;
-        }
-        faces
     }
 }
 

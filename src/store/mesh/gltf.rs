@@ -31,7 +31,10 @@ use super::{
 };
 use crate::{
     light::Transfer,
-    shading::{PaintedCorner, Texture, mesh::MAX_COORDINATE},
+    shading::{
+        PaintedCorner, Texture,
+        mesh::{Corner, MAX_COORDINATE},
+    },
     store::{FileErrors, file::read_bytes, table::shortened},
 };
 
@@ -90,8 +93,7 @@ fn read(folder: Option<&Path>, content: &[u8], is_flat: bool) -> Result<Faces, S
     let mut reader = Reader { source, texels: MAX_TEXELS, ..Reader::default() };
     reader.faces.is_flat = is_flat;
     reader.document(&document)?;
-    let Reader { mut faces, notes, .. } = reader;
-    faces.notes.extend(notes.into_iter().map(str::to_owned));
+    let mut faces = reader.faces;
     if !ignored.is_empty() {
         faces.notes.push(format!("extensions were ignored: {}", ignored.join(", ")));
     }
@@ -213,9 +215,6 @@ impl Source<'_> {
     }
 }
 
-/// The site, the normal and the paint of a vertex.
-type Vertex = (u32, Option<DVec3>, PaintedCorner);
-
 /// Returns the corners of each triangle.
 fn triangles(mode: Mode, corners: &[usize]) -> Vec<[usize; 3]> {
     match mode {
@@ -233,9 +232,6 @@ struct Reader<'a> {
     coats: HashMap<Option<usize>, u32>,
     /// The number of texels that textures may still have.
     texels: usize,
-    triangles: usize,
-    /// What was ignored or assumed.
-    notes: BTreeSet<&'static str>,
 }
 
 impl Reader<'_> {
@@ -243,7 +239,7 @@ impl Reader<'_> {
         let scene = document.default_scene().or_else(|| document.scenes().next());
         let others = (document.scenes().len() > 1).then_some("scenes other than the default one were ignored");
         let moves = (document.animations().len() > 0).then_some("animations were ignored");
-        self.notes.extend(others.into_iter().chain(moves));
+        self.faces.ignored.extend(others.into_iter().chain(moves));
         let roots: Vec<_> = match scene {
             Some(scene) => scene.nodes().collect(),
             None => {
@@ -263,10 +259,10 @@ impl Reader<'_> {
             if let Some(mesh) = node.mesh() {
                 let weights = node.weights().or(mesh.weights()).unwrap_or_default();
                 if weights.iter().any(|weight| *weight != 0.0) {
-                    self.notes.insert("morph targets were ignored");
+                    self.faces.ignored.insert("morph targets were ignored");
                 }
                 if node.skin().is_some() {
-                    self.notes.insert("skins were ignored");
+                    self.faces.ignored.insert("skins were ignored");
                 }
                 for primitive in mesh.primitives() {
                     let (index, part) = (mesh.index(), primitive.index());
@@ -282,7 +278,7 @@ impl Reader<'_> {
     fn primitive(&mut self, primitive: &Primitive<'_>, placed: DMat4) -> Result<(), String> {
         let mode = primitive.mode();
         if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
-            self.notes.insert("points and lines were ignored");
+            self.faces.ignored.insert("points and lines were ignored");
             return Ok(());
         }
         let get = |semantic: Semantic| primitive.get(&semantic);
@@ -296,50 +292,45 @@ impl Reader<'_> {
             return Err(format!("its triangles have {} corners; expected a multiple of 3", corners.len()));
         }
         let triangles = triangles(mode, &corners);
-        self.triangles += triangles.len();
-        if self.triangles > MAX_TRIANGLES {
+        if self.faces.polygons.ends.len() + triangles.len() > MAX_TRIANGLES {
             return Err(format!("the file has more than {MAX_TRIANGLES} triangles; expected at most as many"));
         }
 
         let linear = DMat3::from_mat4(placed);
         let (side, of_normals) = (linear.determinant().signum(), linear.inverse().transpose());
-        let mut vertices = Vec::with_capacity(count);
+        let polygons = &mut self.faces.polygons;
+        let first = polygons.positions.len();
         for (i, position) in positions.into_iter().enumerate() {
             let position = placed.transform_point3(DVec3::from_array(position));
             // NaN does not count as within.
             if !position.to_array().iter().all(|x| x.abs() <= MAX_COORDINATE) {
                 return Err(format!("position {i} is not finite or is beyond ±1e30; expected three finite numbers"));
             }
-            vertices.push((self.faces.site(position), None, PaintedCorner::default()));
+            polygons.positions.push(position);
         }
-        if let Some(normals) = normals {
-            for (vertex, normal) in vertices.iter_mut().zip(normals) {
-                vertex.1 = (of_normals * DVec3::from_array(normal)).try_normalize();
-            }
-        }
-        let texture = self.paint(primitive, &mut vertices)?;
+        let normal = |normal| (of_normals * DVec3::from_array(normal)).try_normalize();
+        polygons.normals.extend(normals.unwrap_or_default().into_iter().map(normal));
+        polygons.normals.resize(first + count, None);
+        let texture = self.paint(primitive, count)?;
         let coat = self.coat(texture)?;
         for [a, b, c] in triangles {
             // A transformation that mirrors also reverses the winding.
-            let corners = if side < 0.0 { [a, c, b] } else { [a, b, c] }.map(|corner| vertices[corner]);
-            self.faces.add(corners.to_vec(), Some(coat));
+            let corners = if side < 0.0 { [a, c, b] } else { [a, b, c] };
+            self.faces.polygons.push(corners.map(|corner| Corner::of((first + corner) as u32)));
+            self.faces.polygons.of_polygons.push(coat);
         }
         Ok(())
     }
 
-    /// Sets the colors of a primitive's vertices, and their places in its texture, which is returned if they have such
-    /// places.
-    fn paint<'p>(
-        &mut self,
-        primitive: &Primitive<'p>,
-        vertices: &mut [Vertex],
-    ) -> Result<Option<gltf::Texture<'p>>, String> {
-        let (material, count) = (primitive.material(), vertices.len());
+    /// Adds the paint of a primitive's vertices: their colors, and their places in its texture, which is returned if they
+    /// have such places.
+    fn paint<'p>(&mut self, primitive: &Primitive<'p>, count: usize) -> Result<Option<gltf::Texture<'p>>, String> {
+        let material = primitive.material();
         if material.alpha_mode() != AlphaMode::Opaque {
-            self.notes.insert("transparency was ignored");
+            self.faces.ignored.insert("transparency was ignored");
         }
         if material.normal_texture().is_some() {
-            self.notes.insert("normal maps were ignored");
+            self.faces.ignored.insert("normal maps were ignored");
         }
         let base = material.pbr_metallic_roughness();
         let [r, g, b, _] = base.base_color_factor().map(f64::from);
@@ -347,10 +338,12 @@ impl Reader<'_> {
             Some(colors) => self.source.each::<3>(&colors, "colors", count)?,
             None => vec![[1.0; 3]; count],
         };
-        for (vertex, color) in vertices.iter_mut().zip(colors) {
+        let first = self.faces.polygons.paint.len();
+        self.faces.polygons.paint.extend(colors.into_iter().map(|color| {
             let color = DVec3::from_array(color) * DVec3::new(r, g, b);
-            vertex.2.color = if color.is_finite() { color.clamp(DVec3::ZERO, DVec3::ONE) } else { DVec3::ONE };
-        }
+            let color = if color.is_finite() { color.clamp(DVec3::ZERO, DVec3::ONE) } else { DVec3::ONE };
+            PaintedCorner { color, ..PaintedCorner::default() }
+        }));
         // An extension may give a texture another image, which is ignored like the extension.
         let Some(base) = base.base_color_texture().filter(|base| base.texture().source().is_some()) else {
             return Ok(None);
@@ -367,12 +360,12 @@ impl Reader<'_> {
             )
         });
         let Some(places) = primitive.get(&Semantic::TexCoords(set)) else {
-            self.notes.insert("textures without texture coordinates were ignored");
+            self.faces.ignored.insert("textures without texture coordinates were ignored");
             return Ok(None);
         };
         let places = self.source.each::<2>(&places, "texture coordinates", count)?;
-        for (vertex, place) in vertices.iter_mut().zip(places) {
-            vertex.2.place = placed.transform_point2(DVec2::from_array(place));
+        for (vertex, place) in self.faces.polygons.paint[first..].iter_mut().zip(places) {
+            vertex.place = placed.transform_point2(DVec2::from_array(place));
         }
         Ok(Some(base.texture()))
     }

@@ -26,8 +26,12 @@ use glam::DVec3;
 
 use super::{FileErrors, file::read_bytes};
 use crate::{
-    shading::{Mesh, Normals},
-    system::checkpoint,
+    shading::{
+        Mesh, Normals,
+        mesh::Corner,
+        shapes::{self, Shape},
+    },
+    system::{checkpoint, found},
 };
 
 /// Maximum file size in bytes, enough for about two million triangles.
@@ -47,6 +51,49 @@ impl MeshFile {
     pub fn note(&self, path: &Path) -> Option<String> {
         (!self.notes.is_empty()).then(|| format!("{}: {}", path.display(), self.notes.join("; ")))
     }
+}
+
+/// Why a name or a path gives no mesh.
+#[derive(Debug, thiserror::Error)]
+pub enum MeshError {
+    /// There is neither a shape nor a file of this name.
+    #[error("{0}")]
+    Unknown(String),
+    /// The shape cannot have this number of vertices.
+    #[error("{0}")]
+    Vertices(String),
+    /// The file cannot be read.
+    #[error(transparent)]
+    File(#[from] FileErrors),
+}
+
+/// Returns the built-in shape of this name, if there is one.
+pub fn shape_of(name: &Path) -> Option<Shape> {
+    name.to_str()?.parse().ok()
+}
+
+/// Returns the shape of this name with `vertices` sites, or the mesh in the file of this path, relative to `folder`, as
+/// [`read`] does.
+///
+/// # Errors
+/// See [`MeshError`].
+pub fn open(
+    folder: &Path,
+    name: &Path,
+    vertices: usize,
+    crease_deg: f64,
+    normals: Normals,
+) -> Result<MeshFile, MeshError> {
+    if let Some(shape) = shape_of(name) {
+        let mesh = shapes::mesh(shape, vertices).map_err(MeshError::Vertices)?;
+        return Ok(MeshFile { mesh, notes: Vec::new() });
+    }
+    let path = folder.join(name);
+    if path.extension().is_none() && matches!(found(&path), Ok(None)) {
+        let expected = format!("expected {}, or an OBJ, PLY, glTF or GLB file", Shape::EXPECTED);
+        return Err(MeshError::Unknown(format!("{name:?} is not known; {expected}")));
+    }
+    Ok(read(&path, crease_deg, normals)?)
 }
 
 /// Reads an OBJ, PLY, glTF or GLB file. If the file has no normals, faces that meet at more than `crease_deg` degrees do
@@ -113,13 +160,14 @@ pub fn from_arrays(
     crease_deg: f64,
 ) -> Result<MeshFile, FileErrors> {
     assert!(normals.is_none_or(|normals| normals.len() == positions.len()), "one normal for each position");
-    let mut faces = faces::Faces::default();
     let is_wrong = |normal: &DVec3| normal.try_normalize().is_none();
     if let Some(index) = normals.and_then(|normals| normals.iter().position(is_wrong)) {
         let message = format!("normal {index} is zero or not finite; expected a vector of any length above 0");
         return Err(FileErrors::whole(name, message));
     }
-    let normal = |corner: u32| normals?[corner as usize].try_normalize();
+    let mut faces = faces::Faces::default();
+    faces.polygons.positions = positions.to_vec();
+    faces.polygons.normals = normals.unwrap_or_default().iter().map(|normal| normal.try_normalize()).collect();
     for (index, corners) in triangles.iter().enumerate() {
         checkpoint();
         if let Some(corner) = corners.iter().find(|corner| **corner as usize >= positions.len()) {
@@ -127,8 +175,7 @@ pub fn from_arrays(
                 format!("triangle {index} refers to vertex {corner}; expected a number below {}", positions.len());
             return Err(FileErrors::whole(name, message));
         }
-        let corners = corners.map(|corner| (faces.site(positions[corner as usize]), normal(corner)));
-        faces.polygons.push(corners);
+        faces.polygons.push(corners.map(Corner::of));
     }
     faces.mesh(name, crease_deg, "at least one triangle", Normals::Given)
 }

@@ -8,9 +8,9 @@ use std::borrow::Cow;
 
 use glam::DVec3;
 
-use super::faces::{Faces, Listed, MAX_CORNERS};
+use super::faces::{Faces, MAX_CORNERS};
 use crate::{
-    shading::mesh::MAX_COORDINATE,
+    shading::mesh::{Corner, MAX_COORDINATE},
     store::{FileErrors, table::shortened},
 };
 
@@ -39,7 +39,7 @@ pub(super) fn parse(file: &str, content: &[u8]) -> Result<Faces, FileErrors> {
     let count = |wanted: &[u8]| lines.iter().filter(|(_, line)| keyword(line) == wanted).count();
     let mut reader = Reader { counts: [count(b"v"), count(b"vn")], ..Reader::default() };
     lines.iter().try_for_each(|(number, line)| reader.line(file, *number, line))?;
-    Ok(reader.listed.faces())
+    Ok(reader.faces)
 }
 
 /// Returns whether the statement of a line that is read continues in the next line; a comment does not.
@@ -60,7 +60,7 @@ struct Reader {
     /// Number of vertices and normals in the whole file, because a face may come before the vertices and normals it
     /// uses.
     counts: [usize; 2],
-    listed: Listed,
+    faces: Faces,
 }
 
 impl Reader {
@@ -80,9 +80,9 @@ impl Reader {
         let read = match keyword {
             b"v" => self.vertex(text, &words),
             b"vn" => three_numbers(text, &words).map(|normal| {
-                self.listed.normals.push(normal.try_normalize());
-                if self.listed.normals.ends_with(&[None]) {
-                    self.listed.notes.insert("normals that are zero or not finite were estimated");
+                self.faces.polygons.normals.push(normal.try_normalize());
+                if normal.try_normalize().is_none() {
+                    self.faces.ignored.insert("normals that are zero or not finite were estimated");
                 }
             }),
             _ => self.face(text, &words),
@@ -104,7 +104,7 @@ impl Reader {
             return Err((word, format!("{:?} {what}", shortened(word))));
         }
         let color = words.get(3..).filter(|color| color.len() >= 3);
-        self.listed.vertex(vertex, color.map(|color| three_numbers(text, color)).transpose()?);
+        self.faces.position(vertex, color.map(|color| three_numbers(text, color)).transpose()?);
         Ok(())
     }
 
@@ -124,28 +124,29 @@ impl Reader {
             }
             let normal = match normal {
                 Some(index) if self.counts[1] == 0 && index.parse::<i64>().is_ok() => {
-                    self.listed.notes.insert("normals were ignored that faces name but the file does not have");
+                    self.faces.ignored.insert("normals were ignored that faces name but the file does not have");
                     None
                 }
                 normal => normal.map(|normal| self.index(word, 1, normal)).transpose()?,
             };
-            self.listed.corners.push((vertex, normal));
+            self.faces.polygons.corners.push(Corner { normal, ..Corner::of(vertex) });
         }
-        self.listed.ends.push(self.listed.corners.len());
+        self.faces.polygons.push([]);
         Ok(())
     }
 
     /// Returns the index, counted from 0, that `text` refers to. `text` is a part of `word`.
-    fn index<'a>(&self, word: &'a str, kind: usize, text: &str) -> Result<usize, Fault<'a>> {
+    fn index<'a>(&self, word: &'a str, kind: usize, text: &str) -> Result<u32, Fault<'a>> {
         let given: i64 = text.parse().map_err(|_| not_a_corner(word))?;
-        let (above, count) = ([self.listed.vertices.len(), self.listed.normals.len()][kind], self.counts[kind]);
+        let (above, count) =
+            ([self.faces.polygons.positions.len(), self.faces.polygons.normals.len()][kind], self.counts[kind]);
         // Indices count up from 1, or back from -1.
         let found = usize::try_from(given.unsigned_abs()).unwrap_or(usize::MAX);
         let problem = match given {
             0 => "; expected an index from 1, or -1 for the last one".to_owned(),
-            ..0 if found <= above => return Ok(above - found),
+            ..0 if found <= above => return Ok((above - found) as u32),
             ..0 => format!(" ({above} so far); expected -1 for the last one, or an index from 1"),
-            _ if found <= count => return Ok(found - 1),
+            _ if found <= count => return Ok((found - 1) as u32),
             _ => format!("; expected 1…{count}"),
         };
         let name = ["vertex", "normal"][kind];

@@ -6,9 +6,9 @@
 
 use glam::DVec3;
 
-use super::faces::{Faces, Listed, MAX_CORNERS, strip_triangles};
+use super::faces::{Faces, MAX_CORNERS, strip_triangles};
 use crate::{
-    shading::mesh::MAX_COORDINATE,
+    shading::mesh::{Corner, MAX_COORDINATE},
     store::{FileErrors, table::shortened},
 };
 
@@ -207,7 +207,7 @@ pub(super) fn parse(file: &str, content: &[u8]) -> Result<Faces, FileErrors> {
         line += 1;
     }
     let format = header.format.ok_or_else(|| FileErrors::whole(file, "its header says no format; expected one"))?;
-    let mut mesh = Listed::default();
+    let mut mesh = Faces::default();
     for element in &header.elements {
         // Without properties, any number of elements needs no bytes.
         let (name, count) = (&element.name, if element.properties.is_empty() { 0 } else { element.count });
@@ -239,10 +239,10 @@ pub(super) fn parse(file: &str, content: &[u8]) -> Result<Faces, FileErrors> {
             added.map_err(|message| FileErrors::whole(file, format!("{name} {i} {message}")))?;
         }
     }
-    Ok(mesh.faces())
+    Ok(mesh)
 }
 
-fn vertex(mesh: &mut Listed, numbers: &[Option<f64>; CORNERS]) -> Result<(), String> {
+fn vertex(mesh: &mut Faces, numbers: &[Option<f64>; CORNERS]) -> Result<(), String> {
     let three = |first: usize| match numbers[first..first + 3] {
         [Some(x), Some(y), Some(z)] => Some(DVec3::new(x, y, z)),
         _ => None,
@@ -252,27 +252,26 @@ fn vertex(mesh: &mut Listed, numbers: &[Option<f64>; CORNERS]) -> Result<(), Str
     if !position.to_array().iter().all(|x| x.abs() <= MAX_COORDINATE) {
         return Err("has a position that is not finite or is beyond ±1e30; expected finite numbers".to_owned());
     }
-    mesh.normals.push(three(3).and_then(DVec3::try_normalize));
-    mesh.vertex(position, three(COLORS));
+    mesh.polygons.normals.push(three(3).and_then(DVec3::try_normalize));
+    mesh.position(position, three(COLORS));
     Ok(())
 }
 
-fn face(mesh: &mut Listed, list: &[f64]) -> Result<(), String> {
+fn face(mesh: &mut Faces, list: &[f64]) -> Result<(), String> {
     if !(3..=MAX_CORNERS).contains(&list.len()) {
         return Err(format!("has {} corners; expected 3…{MAX_CORNERS}", list.len()));
     }
     polygon(mesh, list)
 }
 
-fn polygon(mesh: &mut Listed, list: &[f64]) -> Result<(), String> {
-    for index in list {
-        let vertex = Some(*index as usize).filter(|vertex| *index >= 0.0 && *vertex < mesh.vertices.len());
-        let vertex = vertex.ok_or_else(|| match mesh.vertices.len() {
+fn polygon(mesh: &mut Faces, list: &[f64]) -> Result<(), String> {
+    let count = mesh.polygons.positions.len();
+    if let Some(index) = list.iter().find(|index| !(**index >= 0.0 && **index < count as f64)) {
+        return Err(match count {
             0 => "comes before the vertices; expected them first".to_owned(),
-            count => format!("refers to vertex {index}, which does not exist; expected 0…{}", count - 1),
-        })?;
-        mesh.corners.push((vertex, Some(vertex)));
+            _ => format!("refers to vertex {index}, which does not exist; expected 0…{}", count - 1),
+        });
     }
-    mesh.ends.push(mesh.corners.len());
+    mesh.polygons.push(list.iter().map(|index| Corner::of(*index as u32)));
     Ok(())
 }

@@ -1,16 +1,16 @@
 //! A comparison of two shaders on the same lit surface.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::{DMat3, DVec3, EulerRot};
 
 use crate::{
     light::Depth,
-    shading::{
-        Correction, Mesh, Normals, Scene, Shade, Shader,
-        shapes::{self, Shape},
+    shading::{Correction, Normals, Scene, Shade, Shader, shapes::Shape},
+    store::{
+        self,
+        mesh::{MeshError, MeshFile},
     },
-    store,
 };
 
 /// Crease angle for meshes from files, degrees. At 180 there are no creases, so that the shaders' own effects are
@@ -19,11 +19,11 @@ const CREASE_DEG: f64 = 180.0;
 
 /// The mesh to draw.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum MeshChoice {
-    /// A named shape, with the number of vertices if it can be chosen.
-    Named(Shape, usize),
-    /// A file, by its path.
-    File(String),
+pub struct MeshChoice {
+    /// The name of a shape, or the path of a file.
+    pub name: PathBuf,
+    /// The number of vertices, if it can be chosen.
+    pub vertices: usize,
 }
 
 /// Everything that determines the two images except their size.
@@ -40,7 +40,7 @@ impl Default for Comparison {
     /// Gouraud, with its bands, on the left and Phong with C1 normals on the right, both with highlights.
     fn default() -> Self {
         Self {
-            mesh: MeshChoice::Named(Shape::Torus, 200),
+            mesh: MeshChoice { name: Shape::Torus.name().into(), vertices: 200 },
             scene: Scene::default(),
             sides: [Shader::Gouraud, Shader::C1Phong].map(Shade::new),
         }
@@ -71,28 +71,22 @@ impl Comparison {
 }
 
 impl MeshChoice {
-    /// Returns its name on the page; for a file, without the folder.
-    pub fn title(&self) -> String {
-        match self {
-            MeshChoice::Named(shape, _) => shape.name().to_owned(),
-            MeshChoice::File(path) => Path::new(path).file_name().unwrap_or_default().to_string_lossy().into_owned(),
-        }
+    /// Returns the shape; `None` for a file.
+    pub fn shape(&self) -> Option<Shape> {
+        store::mesh::shape_of(&self.name)
     }
 
-    /// Creates or reads the mesh; also returns what was repaired, assumed or ignored in a file.
+    /// Returns its name on the page; for a file, without the folder.
+    pub fn title(&self) -> String {
+        self.name.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    }
+
+    /// Creates or reads the mesh.
     ///
     /// # Errors
-    /// A message about the file or the number of vertices.
-    pub fn mesh(&self) -> Result<(Mesh, Option<String>), String> {
-        match self {
-            MeshChoice::Named(shape, vertices) => Ok((shapes::mesh(*shape, *vertices)?, None)),
-            MeshChoice::File(path) => {
-                let path = Path::new(path);
-                let file = store::mesh::read(path, CREASE_DEG, Normals::Given).map_err(|errors| errors.to_string())?;
-                let note = file.note(path);
-                Ok((file.mesh, note))
-            }
-        }
+    /// The same errors as [`store::mesh::open`].
+    pub fn mesh(&self) -> Result<MeshFile, MeshError> {
+        store::mesh::open(Path::new(""), &self.name, self.vertices, CREASE_DEG, Normals::Given)
     }
 }
 

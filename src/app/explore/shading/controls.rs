@@ -58,21 +58,21 @@ pub fn side(ui: &mut egui::Ui, which: usize, shade: &mut Shade) {
 
 /// Draws the controls of the mesh and its rotation.
 pub fn mesh(ui: &mut egui::Ui, compared: &mut Comparison) {
-    let vertices = if let MeshChoice::Named(_, vertices) = compared.mesh { vertices } else { 313 };
-    let mut meshes: Vec<_> = Shape::ALL.iter().map(|shape| MeshChoice::Named(*shape, vertices)).collect();
-    if let MeshChoice::File(_) = compared.mesh {
-        meshes.push(compared.mesh.clone());
-    }
+    let MeshChoice { name, vertices } = compared.mesh.clone();
+    let shapes = Shape::ALL.iter().map(|shape| shape.name().into());
+    let file = compared.mesh.shape().is_none().then_some(name);
+    let meshes: Vec<_> = shapes.chain(file).map(|name| MeshChoice { name, vertices }).collect();
     field("Mesh", "Shape of the mesh").choice(ui, &mut compared.mesh, &meshes, MeshChoice::title);
     let row = field("Vertices", "Number of vertices").log();
-    match &mut compared.mesh {
-        MeshChoice::Named(shape, vertices) if shape.has_vertices() => {
+    match compared.mesh.shape().filter(|shape| shape.has_vertices()) {
+        Some(shape) => {
             // Another shape may need more vertices.
-            *vertices = (*vertices).max(shape.min_vertices());
-            row.slider(ui, vertices, shape.min_vertices()..=MAX_VERTICES, 1.0);
+            let (vertices, least) = (&mut compared.mesh.vertices, shape.min_vertices());
+            *vertices = (*vertices).max(least);
+            row.slider(ui, vertices, least..=MAX_VERTICES, 1.0);
         }
         // The row stays, so that what follows does not move.
-        _ => _ = row.show(ui, |ui, _| ui.horizontal(|ui| ui.label(secondary("as in the mesh")))),
+        None => _ = row.show(ui, |ui, _| ui.horizontal(|ui| ui.label(secondary("as in the mesh")))),
     }
     let names = [("Rotate x", "Rotate about x"), ("Rotate y", "Rotate about y"), ("Rotate z", "Rotate about z")];
     for ((label, name), degrees) in names.into_iter().zip(&mut compared.scene.rotate_deg) {

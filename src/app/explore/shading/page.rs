@@ -8,7 +8,7 @@ use super::{
     canvas::{self, ViewSettings},
     comparison::{Comparison, MeshChoice, title},
     controls,
-    pictures::{Measured, Picture, Pictures, SHORTER_SIDE_DEG, Scan, divided, visible},
+    pictures::{Measured, Picture, Pictures, Scan, Wanted, divided, visible},
 };
 use crate::{
     app::ui::{
@@ -19,6 +19,7 @@ use crate::{
     display::DisplayProfile,
     report::document::numbers::whole,
     shading::{Surface, crease},
+    stimulus::ViewingConditions,
     store,
 };
 
@@ -43,10 +44,12 @@ pub struct ShadingPage {
     settings: ViewSettings,
     /// The last valid mesh and its surface.
     surface: Option<(MeshChoice, Arc<Surface>)>,
+    /// The number of meshes that were loaded.
+    loaded: usize,
     pictures: Option<Pictures>,
-    /// How visible the differences from the smooth surface are, by the edition of the pictures.
-    visible: Latest<u64, Measured>,
-    scan: Kept<(u64, [Pos2; 2]), Scan>,
+    /// How visible the differences from the smooth surface are.
+    visible: Latest<Wanted, Measured>,
+    scan: Kept<(Wanted, [Pos2; 2]), Scan>,
     file: FileField,
     saving: Saving,
     dragging: bool,
@@ -95,8 +98,8 @@ impl ShadingPage {
         self.history.show(ui, &mut self.compared, Comparison::default());
         if self.compared.mesh != mesh {
             // The field has the mesh that came back.
-            let path = if let MeshChoice::File(path) = &self.compared.mesh { path.clone() } else { String::new() };
-            self.file = FileField { path, ..FileField::default() };
+            let file = self.compared.mesh.shape().is_none().then(|| self.compared.mesh.name.display().to_string());
+            self.file = FileField { path: file.unwrap_or_default(), ..FileField::default() };
         }
         for (which, side) in self.compared.sides.iter_mut().enumerate() {
             ui.separator();
@@ -126,7 +129,8 @@ impl ShadingPage {
             open = true;
         }
         if open {
-            self.load(ui.ctx(), MeshChoice::File(self.file.path.trim().to_owned()));
+            let name = self.file.path.trim().into();
+            self.load(ui.ctx(), MeshChoice { name, ..self.compared.mesh });
         }
         // The error has the same room before there is one.
         text::two_lines(ui, self.file.error.as_deref().unwrap_or_default(), ink(ui).bad, 2);
@@ -135,19 +139,20 @@ impl ShadingPage {
     /// Shows another mesh. If it cannot be created, the current mesh stays.
     fn load(&mut self, ctx: &egui::Context, choice: MeshChoice) {
         self.file.error = match choice.mesh() {
-            Ok((mesh, note)) => {
-                if let Some(note) = note {
+            Ok(file) => {
+                if let Some(note) = file.note(&choice.name) {
                     say(ctx, note);
                 }
                 self.compared.mesh = choice.clone();
-                self.surface = Some((choice, Arc::new(Surface::new(mesh))));
+                self.loaded += 1;
+                self.surface = Some((choice, Arc::new(Surface::new(file.mesh))));
                 None
             }
             Err(error) => {
                 if let Some((valid, _)) = &self.surface {
                     self.compared.mesh.clone_from(valid);
                 }
-                Some(error)
+                Some(error.to_string())
             }
         };
     }
@@ -171,9 +176,11 @@ impl ShadingPage {
         let mut lower = ui.new_child(UiBuilder::new().max_rect(lower));
         if let Some(pictures) = &self.pictures {
             let triangles = whole(pictures.frame.triangles.len() as u64);
-            let told =
-                format!("Predicted for a shorter side of {SHORTER_SIDE_DEG}°. {triangles} triangles face the viewer.");
-            hint(&mut lower, told);
+            let side = ViewingConditions::WINDOW_DEG;
+            hint(
+                &mut lower,
+                format!("Predicted for a shorter side of {side}°. {triangles} triangles face the viewer."),
+            );
         }
         if let Some(scan) = self.scan.last().filter(|_| self.settings.scan) {
             scan.show(&mut lower, &titles);
@@ -263,31 +270,31 @@ impl ShadingPage {
         // What turns with the pointer is drawn with a quarter of the pixels, so that it keeps up.
         let size = match &self.pictures {
             Some(drawn) if self.dragging && !self.settings.scan => {
-                let is_turned = drawn.compared != self.compared;
-                if is_turned { size.map(|side| side.div_ceil(2)) } else { drawn.size() }
+                let is_turned = drawn.wanted.compared != self.compared;
+                if is_turned { size.map(|side| side.div_ceil(2)) } else { drawn.wanted.size }
             }
             _ => size,
         };
-        let pictures =
-            Pictures::updated(ctx, self.pictures.take(), surface, (&self.compared, &self.display.transfers), size);
-        let (edition, line) = (pictures.edition, self.settings.line);
+        let (compared, transfers) = (self.compared.clone(), self.display.transfers.clone());
+        let wanted = Wanted { compared, loaded: self.loaded, transfers, size };
+        let drawn = self.pictures.take().filter(|drawn| drawn.wanted == wanted);
+        let pictures = drawn.unwrap_or_else(|| Pictures::new(ctx, surface, wanted.clone()));
         if !self.dragging {
-            self.visible.want(ctx, edition, || {
-                let (ctx, compared, surface) = (ctx.clone(), pictures.compared.clone(), pictures.surface.clone());
-                let size = pictures.size();
-                move || visible(&ctx, &compared, &surface, size)
+            self.visible.want(ctx, wanted.clone(), || {
+                let (ctx, surface, wanted) = (ctx.clone(), surface.clone(), wanted.clone());
+                move || visible(&ctx, &surface, &wanted)
             });
         }
         if self.settings.scan {
-            self.scan.get((edition, line), || Scan::new(&pictures, line));
+            let line = self.settings.line;
+            self.scan.get((wanted, line), || Scan::new(&pictures, line));
         }
         self.pictures = Some(pictures);
     }
 
     /// Returns how visible the differences are, or why that is not known.
     fn measured(&self) -> Result<&Measured, String> {
-        let edition = self.pictures.as_ref().map_or(0, |pictures| pictures.edition);
-        match self.visible.get(&edition) {
+        match self.pictures.as_ref().and_then(|pictures| self.visible.get(&pictures.wanted)) {
             None => Err("computing…".to_owned()),
             Some(Err(error)) => Err(format!("not available: {error}.")),
             Some(Ok(measured)) => Ok(measured),
@@ -306,7 +313,7 @@ impl ShadingPage {
     fn draw(&self, ui: &egui::Ui, rect: Rect) {
         let Some(pictures) = &self.pictures else { return };
         let textures = self.shown(pictures).each_ref().map(Picture::id);
-        canvas::draw(ui, rect, textures, pictures.size(), &self.settings);
+        canvas::draw(ui, rect, textures, pictures.wanted.size, &self.settings);
     }
 
     /// Says how visible the differences from the smooth surface are.
@@ -331,7 +338,7 @@ impl ShadingPage {
             // As on the screen, but without overlays.
             let sides = self.shown(pictures).each_ref().map(|side| &side.codes);
             let image = divided(sides, self.settings.column(sides[0].width));
-            store::image::write_codes(writer, path, &image, &pictures.transfers)
+            store::image::write_codes(writer, path, &image, &pictures.wanted.transfers)
         });
         saving.show(ui);
         self.saving = saving;

@@ -2,8 +2,6 @@
 //! smooth surface is computed on a separate thread while nothing is dragged. Light and its slope along a line are computed
 //! by the shaders rather than from pixels.
 
-use std::sync::Arc;
-
 use eframe::egui::{self, Pos2, TextureHandle, TextureId};
 use egui_plot::Line;
 use glam::{DVec2, DVec3};
@@ -35,15 +33,21 @@ impl Picture {
     }
 }
 
+/// What determines both pictures.
+#[derive(Clone, PartialEq)]
+pub struct Wanted {
+    pub compared: Comparison,
+    /// The number of meshes that were loaded so far: the content of a file may have changed.
+    pub loaded: usize,
+    /// The transfer functions of the display.
+    pub transfers: Transfers,
+    pub size: [u32; 2],
+}
+
 /// Both pictures of a comparison at a size.
 pub struct Pictures {
-    /// The comparison that they show, and the transfer functions of the display for which they were drawn.
-    pub compared: Comparison,
-    pub transfers: Transfers,
-    /// The surface that they show.
-    pub surface: Arc<Surface>,
-    /// A number that increases whenever either image changes.
-    pub edition: u64,
+    /// What they show.
+    pub wanted: Wanted,
     /// The surface on the screen, in linear light.
     pub frame: Frame,
     /// The left and the right picture.
@@ -51,32 +55,12 @@ pub struct Pictures {
 }
 
 impl Pictures {
-    /// Returns their width and height in pixels.
-    pub fn size(&self) -> [u32; 2] {
-        [self.frame.view.width, self.frame.view.height]
-    }
-
-    /// Returns the pictures of `compared`, or `before` if it is up to date.
-    pub fn updated(
-        ctx: &egui::Context,
-        before: Option<Pictures>,
-        surface: &Arc<Surface>,
-        (compared, transfers): (&Comparison, &Transfers),
-        size: [u32; 2],
-    ) -> Pictures {
-        let edition = before.as_ref().map_or(0, |before| before.edition + 1);
-        let is_right = |p: &Pictures| {
-            let same = p.compared == *compared && p.transfers == *transfers;
-            same && p.size() == size && Arc::ptr_eq(&p.surface, surface)
-        };
-        if let Some(before) = before.filter(is_right) {
-            return before;
-        }
-        let frame = compared.scene.frame(surface, size[0], size[1]);
+    pub fn new(ctx: &egui::Context, surface: &Surface, wanted: Wanted) -> Self {
+        let Wanted { compared, transfers, size: [width, height], .. } = &wanted;
+        let frame = compared.scene.frame(surface, *width, *height);
         let quantizer = Quantizer::new(transfers, Bits::Eight);
         let sides = compared.sides.map(|side| Picture::new(ctx, quantizer.quantize(&image(&frame, &side))));
-        let (compared, transfers) = (compared.clone(), transfers.clone());
-        Pictures { compared, transfers, surface: surface.clone(), edition, frame, sides }
+        Self { wanted, frame, sides }
     }
 }
 
@@ -91,9 +75,7 @@ pub fn divided([left, right]: [&CodeImage; 2], column: u32) -> CodeImage {
 
 /// Side of the square image used for predictions, pixels, which shows the whole mesh: the prediction does not depend on the
 /// room for the picture. A larger image would take longer and change it little.
-const SIDE_PX: u32 = 512;
-/// Assumed size of the shorter side of the picture, degrees.
-pub const SHORTER_SIDE_DEG: f64 = 10.0;
+const SIDE_PX: u32 = ViewingConditions::PICTURE_PX;
 
 /// How visible the difference of both sides from the smooth surface is.
 pub struct Measured {
@@ -107,15 +89,14 @@ pub struct Measured {
 /// The color of a map beside the mesh, encoded.
 const BESIDE: [f64; 3] = [0.2; 3];
 
-/// Judges how visible the difference from the smooth surface is, on pictures of this size.
+/// Judges how visible the difference from the smooth surface is.
 pub fn visible(
     ctx: &egui::Context,
-    compared: &Comparison,
     surface: &Surface,
-    size: [u32; 2],
+    Wanted { compared, size, .. }: &Wanted,
 ) -> Result<Measured, String> {
     let frame = compared.scene.frame(surface, SIDE_PX, SIDE_PX).unpainted();
-    let viewing = ViewingConditions::new(SHORTER_SIDE_DEG);
+    let viewing = ViewingConditions::new(ViewingConditions::WINDOW_DEG);
     let judged = Judged::known(&frame);
     let judge = |side: &Shade| {
         let found = judged.difference(&viewing, &emitted(&frame, side));
@@ -124,7 +105,7 @@ pub fn visible(
     let sides = [judge(&compared.sides[0])?, judge(&compared.sides[1])?];
     let full_scale = sides.iter().map(|side| side.largest).fold(1.0, f64::max);
     let maps = sides.each_ref().map(|side| {
-        let (times, [across, down]) = (side.map.enlarged(), size);
+        let (times, [across, down]) = (side.map.enlarged(), *size);
         // The square is in the middle of the picture.
         let shorter = across.min(down).max(1);
         let from = |place: u32, side: u32| {
@@ -159,12 +140,12 @@ pub struct Scan {
 impl Scan {
     /// Returns the curves along a line.
     pub fn new(pictures: &Pictures, line: [Pos2; 2]) -> Self {
-        let (frame, compared) = (&pictures.frame, &pictures.compared);
+        let frame = &pictures.frame;
         let size = DVec2::new(f64::from(frame.view.width), f64::from(frame.view.height));
         let ends = line.map(|end| DVec2::new(f64::from(end.x), f64::from(end.y)) * size);
         let length = ends[0].distance(ends[1]);
         let count = (length * DENSITY).clamp(0.0, MAX_SAMPLES) as usize;
-        let light = compared.sides.map(|side| {
+        let light = pictures.wanted.compared.sides.map(|side| {
             let lights = along(frame, &side, ends, count);
             let at = |i: usize, light: DVec3| {
                 [(i as f64 + 0.5) / count as f64 * length, luminance(light.as_vec3().to_array())]
