@@ -184,7 +184,7 @@ impl Analyze {
         let message = format!("does not apply to {}; expected only --exclude and --seed", tasks::answers(&task));
         allow_only(self, &OF_TASKS, &message)?;
         let exclude = self.ratings.how.exclude.clone().unwrap_or_default().0;
-        Ok(Some(TaskStudy::read(paths, &exclude).map_err(explained)?))
+        Ok(Some(without(TaskStudy::read(paths, &exclude)?, &exclude, &paths[0])?))
     }
 
     /// Takes answers at levels from a table in memory, if the fields say that it has them; `name` stands for it in messages.
@@ -262,7 +262,7 @@ impl Analyze {
         let factors = factors.into_iter().map(order).collect();
         let study = TaskStudy::of_answers(path, &rows, factors, Levels { common, range, model });
         let study = TaskStudy { excluded, errors, warnings: notes, ..study };
-        study.without(&exclude, path).map_err(explained)
+        without(study, &exclude, path)
     }
 
     /// Returns the options of the analysis of ratings from this source.
@@ -371,6 +371,20 @@ impl Analyze {
         let results = TaskResults::of(&study, self.resampling.seed);
         Analyzed::Task(study.into(), results.into())
     }
+}
+
+/// Checks that everyone to exclude was there, and that answers of others are left.
+fn without(study: TaskStudy, exclude: &[String], path: &Path) -> anyhow::Result<TaskStudy> {
+    if let Some(unknown) = exclude.iter().find(|id| !study.excluded.contains(id)) {
+        let known = [&study.people[..], &study.excluded].concat();
+        let message = format!("{unknown} is not a participant; {}", expected_one_of(unknown, &known));
+        return Err(RequestError::new("exclude", message).into());
+    }
+    if study.answers() == 0 {
+        let message = "has no answers of main trials; expected at least one";
+        return Err(StoreError::from(FileErrors::whole(path, message)).into());
+    }
+    Ok(study)
 }
 
 /// Says which of these factors determines another one, or a number, so that their effects cannot be told apart.

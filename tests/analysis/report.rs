@@ -55,7 +55,13 @@ fn noise(index: u64) -> f64 {
 }
 
 /// Adds a rating by a participant at some levels, with the repetition and the response time if they are known.
-pub fn add(builder: &mut MeasuredBuilder, who: (&str, &[&str]), rating: &str, repetition: Option<u32>, time: Option<f64>) {
+pub fn add(
+    builder: &mut MeasuredBuilder,
+    who: (&str, &[&str]),
+    rating: &str,
+    repetition: Option<u32>,
+    time: Option<f64>,
+) {
     let ((subject, values), session, response_time_s) = (who, "1", time);
     let row = RatingRow { subject, values, rating, count: 1, session, repetition, position: None, response_time_s };
     builder.add(&row).unwrap();

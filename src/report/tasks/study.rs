@@ -16,7 +16,6 @@ use crate::{
         task::{Adaptive, Answer, Common, Dial, Measures, Presentation, Second, Task},
     },
     report::{
-        StudyError,
         document::{Shown, fixed, significant, unit},
         names,
     },
@@ -30,7 +29,7 @@ use crate::{
         recorded::Recorded,
         sidecar::Sidecar,
     },
-    text::{Cell, names::expected_one_of},
+    text::Cell,
 };
 
 /// What was asked.
@@ -322,8 +321,8 @@ impl TaskStudy {
     /// told.
     ///
     /// # Errors
-    /// There are no sessions, a folder cannot be read, they have different definitions, or nobody is left.
-    pub fn read(paths: &[PathBuf], exclude: &[String]) -> Result<Self, StudyError> {
+    /// There are no sessions, a folder cannot be read, or they have different definitions.
+    pub fn read(paths: &[PathBuf], exclude: &[String]) -> Result<Self, StoreError> {
         let Listed { files, mut errors, mut warnings, .. } = ratings::files(paths)?;
         let mut sessions = Vec::<Recorded>::new();
         for csv in files {
@@ -352,23 +351,7 @@ impl TaskStudy {
             study.add(session, exclude);
         }
         study.warnings = warnings;
-        study.without(exclude, &paths[0])
-    }
-
-    /// Checks that everyone to exclude was there, and that answers of others are left.
-    ///
-    /// # Errors
-    /// Someone was not there, or nothing is left.
-    pub fn without(self, exclude: &[String], path: &Path) -> Result<Self, StudyError> {
-        if let Some(unknown) = exclude.iter().find(|id| !self.excluded.contains(id)) {
-            let known = [&self.people[..], &self.excluded].concat();
-            let message = format!("{unknown} is not a participant; {}", expected_one_of(unknown, &known));
-            return Err(StudyError::Names("exclude", message));
-        }
-        if self.answers() == 0 {
-            return Err(FileErrors::whole(path, "has no answers of main trials; expected at least one").into());
-        }
-        Ok(self)
+        Ok(study)
     }
 
     /// Takes the rows of a table of answers. `factors` have the levels whose order is known; the others follow in the order of
