@@ -238,13 +238,19 @@ impl SessionStore {
             if exists(&self.paths.csv)? {
                 return Err(error);
             }
-            let undescribed = self.paths.prepare(&self.protocol)?;
-            self.sitting().incidents.extend(undescribed);
-            self.rows.continue_in(&self.paths.csv)?;
-            self.note_lock();
+            self.copy_rows(&self.paths.clone())?;
             self.enter_participant();
             self.sidecar.write(&self.paths.sidecar)
         })
+    }
+
+    /// Writes all rows into a new file in this data set, and continues there.
+    fn copy_rows(&mut self, paths: &SessionPaths) -> Result<(), StoreError> {
+        let undescribed = paths.prepare(&self.protocol)?;
+        self.rows.continue_in(&paths.csv)?;
+        self.note_lock();
+        self.sitting().incidents.extend(undescribed);
+        Ok(())
     }
 
     /// Copies everything recorded so far to another results folder and continues there. The old files are not changed.
@@ -258,9 +264,8 @@ impl SessionStore {
             self.retry()?;
             return self.sidecar.write(&self.paths.sidecar);
         }
-        let undescribed = paths.prepare(&self.protocol)?;
         let from = self.paths.csv.display().to_string();
-        self.rows.continue_in(&paths.csv)?;
+        self.copy_rows(&paths)?;
         if let Some(Err(error)) = self.frames.as_mut().map(|frames| frames.continue_in(&paths.frames)) {
             self.note(format!("the frames could not be moved: {error}"));
             // Seals that include the frames would report them as missing in the new folder.
@@ -268,8 +273,6 @@ impl SessionStore {
             self.sidecar.reseal(0, &without);
         }
         self.paths = paths;
-        self.note_lock();
-        self.sitting().incidents.extend(undescribed);
         self.note(format!("a row could not be saved; the session was moved from {from}"));
         self.enter_participant();
         self.sidecar.write(&self.paths.sidecar)
