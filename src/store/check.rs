@@ -159,7 +159,7 @@ pub fn missing_fonts(missing: &BTreeSet<char>) -> Option<String> {
 fn check_session(path: &Path) -> Result<Checked, StoreError> {
     let session = Recorded::open(path)?;
     let cut = Vec::from_iter(session.cut_line());
-    FileErrors::none([session.row_errors(), &session.changed, &cut].concat())?;
+    FileErrors::none([session.row_errors.clone(), session.changed.clone(), cut].concat())?;
     let ((rated, planned), rows, name) = (session.rated(), session.rows.len(), &session.protocol.name);
     let sentence = format!("result file: {rows} rows; {rated} of {planned} planned trials of {name} rated");
     Ok(Checked { warning: session.interruption().map(|found| found.message), ..sentence.into() })

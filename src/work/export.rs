@@ -23,12 +23,9 @@ pub struct Export {
     /// New or empty folder outside the data.
     #[arg(long, value_name = "DIR")]
     pub out: NewFolder,
-    /// Exclude sessions with unrated trials.
-    #[arg(long)]
-    pub complete_only: bool,
-    /// Also export files that were changed after their session ended; the export then names them.
-    #[arg(long)]
-    pub accept_changes: bool,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub choice: Choice,
 }
 
 impl Export {
@@ -37,8 +34,7 @@ impl Export {
     /// # Errors
     /// A session cannot be read or was changed, the folder is not empty, or a file cannot be written.
     pub fn export(&self, watcher: &dyn Watcher) -> anyhow::Result<Exported> {
-        let choice = Choice { complete_only: self.complete_only, accept_changes: self.accept_changes };
-        let exported = export::export(&self.folder, &self.out, self.format, choice)?;
+        let exported = export::export(&self.folder, &self.out, self.format, self.choice)?;
         exported.notes.iter().for_each(|note| watcher.warn(note));
         Ok(exported)
     }

@@ -6,7 +6,7 @@
 use std::{
     collections::BTreeMap,
     ffi::OsStr,
-    fmt::Debug,
+    fmt::{Debug, Display},
     fs,
     io::Write as _,
     path::{Path, PathBuf},
@@ -206,6 +206,15 @@ pub fn everything(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     }
     found.sort();
     found
+}
+
+/// The error of what must fail and change no file in a folder.
+#[track_caller]
+pub fn refused<T, E: Display>(folder: &Path, act: impl FnOnce() -> Result<T, E>) -> E {
+    let before = everything(folder);
+    let Err(error) = act() else { panic!("this succeeded") };
+    assert!(everything(folder) == before, "files were changed: {error}");
+    error
 }
 
 /// The path of a participant's first session of an experiment.

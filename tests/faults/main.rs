@@ -23,6 +23,7 @@ mod system;
 use std::io::Write as _;
 
 use common::attacks::{ALL, FILES, LIES, PANICS, withstood};
+use sweep::Sweep;
 
 fn setting(name: &str, default: u64) -> u64 {
     std::env::var(name)
@@ -44,11 +45,9 @@ fn assert_none(wrong: &[String]) {
 /// failure is reported, and every session can be resumed and completed.
 #[test]
 fn no_row_is_lost_in_a_thousand_sessions_with_faults() {
-    if shim::library().is_none() {
-        return;
-    }
+    let Some(sweep) = Sweep::injecting(setting("MACHBAND_FAULT_SEED", 1)) else { return };
     let cases = setting("MACHBAND_FAULTS", 1000) as usize;
-    let (struck, wrong) = sweep::Sweep::new(setting("MACHBAND_FAULT_SEED", 1)).run(cases);
+    let (struck, wrong) = sweep.run(cases);
     assert_none(&wrong);
     assert!(struck >= cases, "only {struck} faults took effect");
     withstood("sessions with faults in system calls, also while they recover", cases, &ALL);
@@ -57,19 +56,17 @@ fn no_row_is_lost_in_a_thousand_sessions_with_faults() {
 /// The folder is removed, or a second program opens the session, with and without locks.
 #[test]
 fn no_row_is_lost_when_something_happens_around_a_session() {
-    if shim::library().is_some() {
-        withstood("faults around a session", scenes::play(&sweep::Sweep::new(1)), &ALL);
+    if let Some(sweep) = Sweep::injecting(1) {
+        withstood("faults around a session", scenes::play(&sweep), &ALL);
     }
 }
 
 /// The power fails at any moment during a session or a command that writes files.
 #[test]
 fn nothing_that_was_reported_is_lost_in_a_power_cut() {
-    if shim::library().is_none() {
-        return;
-    }
+    let Some(sweep) = Sweep::injecting(1) else { return };
     let cuts = setting("MACHBAND_CUTS", 50) as usize;
-    assert_none(&power::play(&sweep::Sweep::new(1), cuts, setting("MACHBAND_FAULT_SEED", 1)));
+    assert_none(&power::play(&sweep, cuts, setting("MACHBAND_FAULT_SEED", 1)));
     withstood("power cuts", cuts, &ALL);
 }
 
@@ -77,7 +74,7 @@ fn nothing_that_was_reported_is_lost_in_a_power_cut() {
 #[test]
 fn no_row_is_lost_in_a_power_cut_of_ext4() {
     let cuts = setting("MACHBAND_CUTS", 50) / 10;
-    match ext4::play(&sweep::Sweep::new(1), cuts, setting("MACHBAND_FAULT_SEED", 1)) {
+    match ext4::play(&Sweep::new(1), cuts, setting("MACHBAND_FAULT_SEED", 1)) {
         Err(why) => common::skip("ROOT", &format!("no power cuts of ext4: {why}")),
         Ok(wrong) => {
             assert_none(&wrong);

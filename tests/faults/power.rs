@@ -18,8 +18,8 @@ use rand_chacha::{
 use rayon::prelude::*;
 
 use crate::{
-    common::{self, MACHBAND, everything},
-    disk, run, shim,
+    common::{self, MACHBAND},
+    disk, reads, run, shim,
     sweep::{self, Sweep},
 };
 
@@ -380,9 +380,8 @@ impl Study {
 /// Cuts the power during a command: every file under its final name is complete, and once the command has ended, all
 /// files exist.
 fn output_after(recorded: &Recorded, (folder, count): (tempfile::TempDir, usize)) -> Vec<String> {
-    let files = |root: &Path| -> Vec<(PathBuf, Vec<u8>)> {
-        let relative = |(path, content): (PathBuf, Vec<u8>)| (path.strip_prefix(root).unwrap().to_owned(), content);
-        let mut found: Vec<_> = everything(root).into_iter().map(relative).collect();
+    let files = |root: &Path| {
+        let mut found = reads::files(root);
         found.retain(|(path, _)| !path.components().any(|part| part.as_os_str().to_string_lossy().ends_with(".tmp")));
         found
     };

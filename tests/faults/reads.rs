@@ -189,7 +189,7 @@ fn prepare(folder: &Path) {
 }
 
 /// Every file below a folder, with its path in the folder.
-fn files(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+pub fn files(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     let found = everything(folder).into_iter();
     found.map(|(path, content)| (path.strip_prefix(folder).unwrap().to_owned(), content)).collect()
 }

@@ -112,6 +112,11 @@ fn draw(rng: &mut ChaCha8Rng, calls: &[(String, u64)], binary: bool) -> Vec<Faul
 }
 
 impl Sweep {
+    /// `None` if no faults can be injected.
+    pub fn injecting(seed: u64) -> Option<Self> {
+        shim::library().map(|_| Self::new(seed))
+    }
+
     pub fn new(seed: u64) -> Self {
         let folder = folder();
         let mut sweep = Self { folder, seed, planned: Vec::new(), calls: Mutex::default() };

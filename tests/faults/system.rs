@@ -86,10 +86,7 @@ fn no_command_panics_if_a_standard_stream_is_full() {
 
 #[test]
 fn threads_that_cannot_be_created_are_an_error_or_fewer_threads() {
-    if shim::library().is_none() {
-        return;
-    }
-    let sweep = Sweep::new(1);
+    let Some(sweep) = Sweep::injecting(1) else { return };
     let mut runs = 0;
     for line in ["analyze first --out report --draws 99", "stimulus --size 64 --out a.png", "verify first/twice"] {
         for n in [1, 2, 5] {
@@ -109,10 +106,7 @@ fn threads_that_cannot_be_created_are_an_error_or_fewer_threads() {
 
 #[test]
 fn a_clock_in_an_impossible_year_is_an_error_or_a_time_at_the_limit() {
-    if shim::library().is_none() {
-        return;
-    }
-    let sweep = Sweep::new(1);
+    let Some(sweep) = Sweep::injecting(1) else { return };
     for what in ["far", "ancient"] {
         let folder = sweep::folder();
         let ended = simulate(&sweep, folder.path(), &[fault("clock", 1, what, false)], false);
@@ -130,10 +124,7 @@ fn a_clock_in_an_impossible_year_is_an_error_or_a_time_at_the_limit() {
 
 #[test]
 fn a_folder_that_cannot_be_closed_causes_no_panic() {
-    if shim::library().is_none() {
-        return;
-    }
-    let sweep = Sweep::new(1);
+    let Some(sweep) = Sweep::injecting(1) else { return };
     let folder = sweep::folder();
     let close = [fault("close", 1, "EIO", true)];
     assert!(simulate(&sweep, folder.path(), &close, false).status.success());
@@ -157,10 +148,7 @@ fn a_folder_that_cannot_be_closed_causes_no_panic() {
 /// In each run, a signal arrives just before a different write, such as the one of a row or of the sidecar.
 #[test]
 fn a_signal_closes_the_sitting() {
-    if shim::library().is_none() {
-        return;
-    }
-    let sweep = Sweep::new(1);
+    let Some(sweep) = Sweep::injecting(1) else { return };
     let trials = sweep.planned(DEFINITION).len();
     let writes = sweep.calls(DEFINITION, None, true).iter().find(|(op, _)| op == "write").map_or(0, |(_, n)| *n);
     let mut closed = 0;
@@ -208,10 +196,8 @@ fn a_signal_closes_the_sitting() {
 
 #[test]
 fn an_export_that_a_signal_ends_leaves_nothing() {
-    if shim::library().is_none() {
-        return;
-    }
-    let (sweep, folder) = (Sweep::new(1), sweep::folder());
+    let Some(sweep) = Sweep::injecting(1) else { return };
+    let folder = sweep::folder();
     assert!(simulate(&sweep, folder.path(), &[], false).status.success());
     for format in ["bids", "psych-ds"] {
         let mut command = Command::new(MACHBAND);

@@ -12,9 +12,7 @@ use flate2::read::GzDecoder;
 use machband::{
     experiment::{Identity, Phase, Protocol, RatingRow, TrialRecord, columns},
     store::{
-        Columns, FileErrors,
-        dataset::SessionPaths,
-        definition,
+        Columns, FileErrors, definition,
         ratings::{self, FileRead, ReadOptions, Reason, Source},
         session::SessionStore,
         table::List,
@@ -83,7 +81,7 @@ fn session(results: &Path, protocol: &Protocol, subject: &str, limit: usize) -> 
     let identity = Identity::new(subject, "1").unwrap();
     let (mut store, _) = SessionStore::create(results, protocol, &identity, SEED, sitting()).unwrap();
     recording::rate(&mut store, (protocol, &identity), None, limit, true).unwrap();
-    SessionPaths::new(results, protocol, &identity).csv
+    store.csv().to_owned()
 }
 
 /// Returns a folder with finished sessions of these participants, and their files.

@@ -327,8 +327,8 @@ impl TaskStudy {
         let mut sessions = Vec::<Recorded>::new();
         for csv in files {
             match Recorded::open(&csv) {
-                Ok(session) if session.row_errors().is_empty() => sessions.push(session),
-                Ok(session) => errors.extend_from_slice(session.row_errors()),
+                Ok(session) if session.row_errors.is_empty() => sessions.push(session),
+                Ok(session) => errors.extend(session.row_errors),
                 Err(StoreError::FileErrors(found)) => errors.extend(found.0),
                 Err(error) => return Err(FileErrors(error.errors(&csv)).into()),
             }
@@ -435,7 +435,9 @@ impl TaskStudy {
         // Later attempts replace earlier ones, because rows are in chronological order.
         let main = session.rows.iter().enumerate().filter(|(_, row)| row.phase == Phase::Main);
         let last: BTreeMap<u32, usize> = main.map(|(index, row)| (row.trial, index)).collect();
-        for Replayed { trial, shown, answer, .. } in last.into_values().filter_map(|index| session.replayed(index)) {
+        for Replayed { trial, shown, answer, .. } in
+            last.into_values().filter_map(|index| session.replayed[index].as_ref())
+        {
             self.take(person, session.course.schedule().trials[*trial].condition, shown, answer);
         }
     }

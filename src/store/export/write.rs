@@ -28,11 +28,13 @@ pub enum Format {
 }
 
 /// Which sessions are exported.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::Args, serde::Serialize)]
 pub struct Choice {
-    /// Excludes sessions with unrated trials.
+    /// Exclude sessions with unrated trials.
+    #[arg(long)]
     pub complete_only: bool,
-    /// Includes sessions with files that were changed after the session ended. The export names these files.
+    /// Also export files that were changed after their session ended; the export then names them.
+    #[arg(long)]
     pub accept_changes: bool,
 }
 

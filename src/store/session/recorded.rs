@@ -46,8 +46,11 @@ pub struct Recorded {
     pub sidecar: Sidecar,
     /// The rows, in the order of the file.
     pub rows: Vec<TrialRecord>,
-    /// The rows, as they were recomputed.
-    pub(super) replays: Replays,
+    /// What each row records, as it was recomputed; `None` if the row is not planned.
+    pub replayed: Vec<Option<Replayed>>,
+    /// An error for each row that no session could have recorded in its place: the definition and the seed do not plan it, or
+    /// the rows before it are not those that a session records first.
+    pub row_errors: Vec<FileError>,
     /// An incomplete last line, if the session was interrupted and not resumed.
     pub partial_line: Option<String>,
     /// The files that differ from what the session wrote, according to its seals and the hash of its definition.
@@ -110,13 +113,30 @@ impl Recorded {
         // Rows that cannot be read say nothing about whether the file is the one that was sealed.
         let rows = results::parse(&csv.display().to_string(), &whole, &columns)
             .map_err(|FileErrors(errors)| FileErrors([errors, changed.clone()].concat()))?;
-        let (replays, course) = replay(csv, course, (&identity, &sidecar), &rows);
+        let is_repaired = sidecar.is_repaired();
+        let mut replay = Replay::new(&identity, course);
+        let mut order = Order::new(is_repaired, sidecar.sittings.len());
+        let (mut replayed, mut row_errors) = (Vec::new(), Vec::new());
+        for (row, line) in rows.iter().zip(2..) {
+            let found = replay.row(row);
+            let wrong = match &found {
+                Ok(planned) => {
+                    let gap = planned.gap.clone().filter(|_| !is_repaired);
+                    gap.into_iter().chain(order.add(row)).collect()
+                }
+                Err(message) => vec![message.clone()],
+            };
+            row_errors.extend(wrong.into_iter().map(|message| FileError::at(csv, (line, 1), message)));
+            replayed.push(found.ok());
+        }
+        let course = replay.course;
         Ok(Self {
             changed,
             first_changed: first,
             frames_sha256,
             rows,
-            replays,
+            replayed,
+            row_errors,
             data,
             sidecar_text,
             running,
@@ -153,19 +173,9 @@ impl Recorded {
         Some(FileError::at(&self.csv, (line, 1), format!("{what}; expected complete rows")))
     }
 
-    /// Returns an error for each row that no session could have recorded in its place.
-    pub fn row_errors(&self) -> &[FileError] {
-        &self.replays.errors
-    }
-
-    /// Returns what a row records; `None` if the row is not planned.
-    pub fn replayed(&self, row: usize) -> Option<&Replayed> {
-        self.replays.replayed[row].as_ref().ok()
-    }
-
     /// Returns what a row's trial showed, the stimulus that the row describes first; nothing if the row is not planned.
     pub fn stimuli(&self, row: usize) -> Vec<&Stimulus> {
-        let Some(Replayed { shown, .. }) = self.replayed(row) else { return Vec::new() };
+        let Some(Replayed { shown, .. }) = &self.replayed[row] else { return Vec::new() };
         let described = shown.described();
         let others = shown.stimuli.iter().filter(|other| *other != described);
         std::iter::once(described).chain(others).collect()
@@ -178,14 +188,21 @@ impl Recorded {
         let is_rating = self.protocol.task.is_default();
         let is_new =
             |row: &&Replayed| !is_rating || conditions.insert(self.course.schedule().trials[row.trial].condition);
-        let all = self.replays.replayed.iter().flatten().filter(is_new).flat_map(|row| &row.shown.stimuli);
+        let all = self.replayed.iter().flatten().filter(is_new).flat_map(|row| &row.shown.stimuli);
         all.filter(|stimulus| known.insert(stimulus.key())).collect()
     }
 
     /// Returns the number of answered trials and the number of planned trials.
     pub fn rated(&self) -> (usize, usize) {
-        let rated = self.replays.done().len();
-        (rated, rated + self.replays.left)
+        let done = self.done();
+        let is_left = |trial: &usize| !done.contains(trial) && !self.course.is_over(*trial);
+        let left = (0..self.course.schedule().trials.len()).filter(is_left).count();
+        (done.len(), done.len() + left)
+    }
+
+    /// Returns the trials that are answered.
+    pub(super) fn done(&self) -> BTreeSet<usize> {
+        self.replayed.iter().flatten().map(|row| row.trial).collect()
     }
 
     /// True if every planned trial is rated and the last row is complete.
@@ -199,54 +216,6 @@ impl Recorded {
 pub(in crate::store) fn interrupted(line: usize) -> String {
     let again = if line == 1 { "it is written" } else { "it does not count, and its trial is shown" };
     format!("line {line} is incomplete because the program was interrupted; {again} again when the session is resumed")
-}
-
-/// The rows of a session, as they were recomputed.
-#[derive(Clone, Debug)]
-pub(super) struct Replays {
-    /// What each row records, or why no session could have recorded it there.
-    pub replayed: Vec<Result<Replayed, String>>,
-    /// The rows that the definition and the seed do not plan, or that are not in an order in which a session records them.
-    pub errors: Vec<FileError>,
-    /// The number of trials that are still to be answered.
-    pub left: usize,
-}
-
-impl Replays {
-    /// Returns the trials that are answered.
-    pub fn done(&self) -> BTreeSet<usize> {
-        self.replayed.iter().flatten().map(|row| row.trial).collect()
-    }
-}
-
-/// Recomputes the rows of a session that begins with `course`, and returns the session after them.
-fn replay(
-    csv: &Path,
-    course: Course,
-    (identity, sidecar): (&Identity, &Sidecar),
-    rows: &[TrialRecord],
-) -> (Replays, Course) {
-    let is_repaired = sidecar.is_repaired();
-    let mut replay = Replay::new(identity, course);
-    let mut order = Order::new(is_repaired, sidecar.sittings.len());
-    let (mut replayed, mut errors) = (Vec::new(), Vec::new());
-    for (row, line) in rows.iter().zip(2..) {
-        let found = replay.row(row);
-        let wrong = match &found {
-            Ok(planned) => {
-                let gap = planned.gap.clone().filter(|_| !is_repaired);
-                gap.into_iter().chain(order.add(row)).collect()
-            }
-            Err(message) => vec![message.clone()],
-        };
-        errors.extend(wrong.into_iter().map(|message| FileError::at(csv, (line, 1), message)));
-        replayed.push(found);
-    }
-    let mut replays = Replays { replayed, errors, left: 0 };
-    let (done, course) = (replays.done(), replay.course);
-    let is_left = |trial: &usize| !done.contains(trial) && !course.is_over(*trial);
-    replays.left = (0..course.schedule().trials.len()).filter(is_left).count();
-    (replays, course)
 }
 
 /// Times may differ by this much, because they are rounded and come from different clocks.
@@ -390,7 +359,7 @@ pub fn verify(csv: &Path, renderer: &mut Renderer) -> Verified {
                 );
                 found.errors.push(FileError::whole(&recorded.sidecar_path, message));
             }
-            found.errors.extend(recorded.row_errors().iter().cloned());
+            found.errors.extend(recorded.row_errors.iter().cloned());
             check_end(&recorded, &mut found);
             found.sealed = recorded.sidecar.is_sealed();
             // What is sealed is not being recorded, even if another program has it open.

@@ -66,22 +66,6 @@ impl Interrupted {
     }
 }
 
-impl From<&Recorded> for Interrupted {
-    fn from(recorded: &Recorded) -> Self {
-        // Times of answers are measured from the last interval, and onsets are those of the first.
-        let lead_s = recorded.protocol.task.layout().lead_s();
-        let last = recorded.rows.last();
-        Self {
-            resumed: Resumed { done: recorded.replays.done(), ..Resumed::default() },
-            elapsed_s: last.map_or(0.0, |row| row.onset_s.0 + lead_s + row.response_time_s.0),
-            rows: recorded.rows.clone(),
-            sitting: recorded.sidecar.sittings.len() as u32 + 1,
-            partial_line: recorded.partial_line.clone(),
-            course: recorded.course.clone(),
-        }
-    }
-}
-
 impl SessionStore {
     /// Creates the files of a new session.
     ///
@@ -140,8 +124,13 @@ impl SessionStore {
         changes: Changes,
     ) -> Result<(Self, Interrupted), StoreError> {
         let Found { paths, rows, recorded, is_finished } = Found::read(results, protocol, identity, seed, changes)?;
-        let interrupted = Interrupted::from(&recorded);
-        let Recorded { sidecar, changed, first_changed, .. } = recorded;
+        let resumed = Resumed { done: recorded.done(), ..Resumed::default() };
+        let Recorded { sidecar, course, rows: recovered, partial_line, changed, first_changed, .. } = recorded;
+        // Times of answers are measured from the last interval, and onsets are those of the first.
+        let lead_s = protocol.task.layout().lead_s();
+        let elapsed_s = recovered.last().map_or(0.0, |row| row.onset_s.0 + lead_s + row.response_time_s.0);
+        let sittings = sidecar.sittings.len() as u32 + 1;
+        let interrupted = Interrupted { course, resumed, elapsed_s, rows: recovered, sitting: sittings, partial_line };
         let frames = results::open_frames(&paths.frames);
         let without_frames = frames.as_ref().err().map(ToString::to_string);
         let (protocol, identity, frames) = (protocol.clone(), identity.clone(), frames.ok());
@@ -249,13 +238,19 @@ impl SessionStore {
             if exists(&self.paths.csv)? {
                 return Err(error);
             }
-            let undescribed = self.paths.prepare(&self.protocol)?;
-            self.sitting().incidents.extend(undescribed);
-            self.rows.continue_in(&self.paths.csv)?;
-            self.note_lock();
+            self.copy_rows(&self.paths.clone())?;
             self.enter_participant();
             self.sidecar.write(&self.paths.sidecar)
         })
+    }
+
+    /// Writes all rows into a new file in this data set, and continues there.
+    fn copy_rows(&mut self, paths: &SessionPaths) -> Result<(), StoreError> {
+        let undescribed = paths.prepare(&self.protocol)?;
+        self.rows.continue_in(&paths.csv)?;
+        self.note_lock();
+        self.sitting().incidents.extend(undescribed);
+        Ok(())
     }
 
     /// Copies everything recorded so far to another results folder and continues there. The old files are not changed.
@@ -269,9 +264,8 @@ impl SessionStore {
             self.retry()?;
             return self.sidecar.write(&self.paths.sidecar);
         }
-        let undescribed = paths.prepare(&self.protocol)?;
         let from = self.paths.csv.display().to_string();
-        self.rows.continue_in(&paths.csv)?;
+        self.copy_rows(&paths)?;
         if let Some(Err(error)) = self.frames.as_mut().map(|frames| frames.continue_in(&paths.frames)) {
             self.note(format!("the frames could not be moved: {error}"));
             // Seals that include the frames would report them as missing in the new folder.
@@ -279,8 +273,6 @@ impl SessionStore {
             self.sidecar.reseal(0, &without);
         }
         self.paths = paths;
-        self.note_lock();
-        self.sitting().incidents.extend(undescribed);
         self.note(format!("a row could not be saved; the session was moved from {from}"));
         self.enter_participant();
         self.sidecar.write(&self.paths.sidecar)
@@ -408,12 +400,12 @@ impl Found {
         if changes == Changes::Refuse && !recorded.changed.is_empty() {
             return Err(StoreError::Altered(FileErrors(recorded.changed)));
         }
-        let (errors, replayed) = (recorded.row_errors(), &recorded.replays.replayed);
-        if let Some(first) = errors.first().filter(|_| replayed.iter().all(Result::is_err)) {
+        let (errors, replayed) = (&recorded.row_errors, &recorded.replayed);
+        if let Some(first) = errors.first().filter(|_| replayed.iter().all(Option::is_none)) {
             // The rows of another session cannot be repaired.
             return Err(FileErrors::whole(&paths.csv, first.message.clone()).into());
         }
-        FileErrors::none(errors.to_vec()).map_err(|errors| repairable(errors.into()))?;
+        FileErrors::none(errors.clone()).map_err(|errors| repairable(errors.into()))?;
         let is_finished = recorded.is_complete() && recorded.sidecar.is_complete() && recorded.first_changed.is_none();
         Ok(Self { paths, rows, recorded, is_finished })
     }
