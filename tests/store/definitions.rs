@@ -117,6 +117,8 @@ color = "yellow" => color = "purpel" => 9:1 => color "purpel" | yellow, gray
 # Types.
 name = "mine" => name = 7 => 2:1 => name is 7 | text in quotes
 [recovery] => [presentation]\n[recovery] => 22:2 => presentation.duration_s is missing
+[recovery] => [presentation]\nduration_s = "x"\n[recovery] => 23:1 => presentation.duration_s is the text "x" | a number
+title = "My study" => title = "My study"\nplan = [9] => 4:1 => plan is a list | expected a table
 # Top-level keys.
 schema = 1\n => schema = 2\n => 1:1 => schema is 2 | expected 1
 name = "mine" =>  => 1:1 => name is missing
@@ -132,6 +134,7 @@ labels = ["a", "b", "c", "d"] => labels = ["a", " ", "c", "d"] => 28:16 => label
 # The participant.
 [instructions] => [participant]\nage = { requird = true }\n[instructions] => 36:9 => unknown key "requird" in [participant.age] | did you mean required?
 [instructions] => [participant]\nconsent = {}\n[instructions] => 36:1 => consent has no text
+[instructions] => [participant]\nage = [false]\n[instructions] => 36:1 => participant.age is a list | expected a table
 [instructions] => [participant]\nx = { choices = ["a"], number = true }\n[instructions] => 36:1 => x has more than one of
 [instructions] => [participant]\nx = { choices = ["n/a"] }\n[instructions] => 36:18 => choice "n/a" cannot be recorded
 [instructions] => [participant]\nsex = { choices = ["femal"] }\n[instructions] => 36:20 => "femal" | did you mean female? | choice_labels
