@@ -48,7 +48,7 @@ impl Drawn {
 fn parameters() -> Vec<(&'static Parameter, Vec<&'static str>)> {
     let mut found: Vec<(&Parameter, Vec<&str>)> = Vec::new();
     for entry in catalog::all() {
-        for parameter in entry.parameters {
+        for parameter in entry.default_stimulus().parameters() {
             match found.iter_mut().find(|(known, _)| known.name == parameter.name) {
                 Some((_, kinds)) => kinds.push(entry.kind),
                 None => found.push((parameter, vec![entry.kind])),

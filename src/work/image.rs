@@ -16,12 +16,13 @@ use crate::{
         self,
         image::{ASSUMED, Picture},
     },
-    system::today,
     text::{
         names::one_of,
         number::{whole, within},
     },
 };
+
+pub use crate::system::today;
 
 /// How the display converts codes to light.
 #[derive(Clone, Debug, Default, PartialEq, clap::Args, Serialize)]

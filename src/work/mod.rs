@@ -24,11 +24,10 @@ pub mod stimuli;
 pub mod stimulus;
 pub mod verify;
 
-pub use crate::system::today;
 pub use analyze::{Analyze, Model, Ratings, check_order, explained};
 pub use check::Check;
 pub use drawn::Drawn;
 pub use export::Export;
-pub use image::{Encoded, Encoding, Image, Luminances, outdated};
+pub use image::{Encoded, Encoding, Image, Luminances, outdated, today};
 pub use repair::Repair;
 pub use request::{FittedPath, Found, NewFolder, OutPath, Request, RequestError, Watcher, from_names, told, words};

@@ -239,7 +239,7 @@ impl Gallery {
         ui::hint(ui, self.settings.kind().about);
         ui.add_space(theme::SMALL_GAP);
         let Choices { entry, values, size, dither } = &mut self.settings;
-        let parameters = catalog::all()[*entry].parameters;
+        let parameters = catalog::all()[*entry].default_stimulus().parameters();
         for (parameter, text) in parameters.iter().zip(&mut values[*entry]) {
             let is_wrong = self.faults.iter().any(|(of, _)| *of == Some(parameter.name));
             ui.scope(|ui| {
