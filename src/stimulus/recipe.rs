@@ -80,21 +80,28 @@ impl Recipe {
         let light = stimulus.profile(size);
         let row = LinearImage::from_fn(size, 1, |i, _| light[i as usize]);
         let codes = quantizer.quantize_with(&row, &self.dither.with_seed(self.seed));
-        let columns = [
-            ("x", "proportion of the stimulus window", "Distance from the center along the orientation."),
-            ("linear", LIGHT, "Requested light of the strongest channel."),
-            ("code_r", "", "Code of red."),
-            ("code_g", "", "Code of green."),
-            ("code_b", "", "Code of blue."),
-            ("emitted", LIGHT, "Light that the strongest channel's code emits."),
-        ];
-        let cells = |i: u32| {
-            let (asked, codes) = (f64::from(light[i as usize][strongest]), codes.pixel(i, 0));
-            let emitted = quantizer.channel(strongest).linear(codes[strongest]);
-            let [r, g, b] = codes.map(Cell::from);
-            vec![place(i, size).into(), asked.into(), r, g, b, emitted.into()]
+        let column = |name: &str, unit: &str, description: &str, cell: &dyn Fn(u32) -> Cell| Column {
+            cells: (0..size).map(cell).collect(),
+            ..Column::new(name, unit, description)
         };
-        let columns = columns.map(|(name, unit, description)| Column::new(name, unit, description));
-        Table::new(columns.to_vec(), (0..size).map(cells))
+        let code = |channel: usize, i: u32| codes.pixel(i, 0)[channel];
+        let emitted = |i| quantizer.channel(strongest).linear(code(strongest, i));
+        Table {
+            columns: vec![
+                column(
+                    "x",
+                    "proportion of the stimulus window",
+                    "Distance from the center along the orientation.",
+                    &|i| place(i, size).into(),
+                ),
+                column("linear", LIGHT, "Requested light of the strongest channel.", &|i| {
+                    f64::from(light[i as usize][strongest]).into()
+                }),
+                column("code_r", "", "Code of red.", &|i| code(0, i).into()),
+                column("code_g", "", "Code of green.", &|i| code(1, i).into()),
+                column("code_b", "", "Code of blue.", &|i| code(2, i).into()),
+                column("emitted", LIGHT, "Light that the strongest channel's code emits.", &|i| emitted(i).into()),
+            ],
+        }
     }
 }

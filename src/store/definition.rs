@@ -168,7 +168,9 @@ fn remove_equal(value: &mut Value, default: &Value) {
     }
 }
 
-/// The tables that [`Definition`] does not read itself.
+/// The tables that [`Definition`] reads itself. A list would be read as the values of such a table, in their order.
+const OWN: [&str; 7] = ["design", "recovery", "presentation", "viewing", "instructions", "session", "plan"];
+/// The tables that it does not read.
 const TABLES: [&str; 6] = ["stimulus", "factors", "task", "adaptive", "response", "participant"];
 
 #[derive(Default, Deserialize)]
@@ -195,6 +197,13 @@ fn protocol(mut written: Map<String, Value>, place: Option<Place<'_>>) -> Result
                 None
             }
         });
+    written.retain(|key, value| {
+        let is_table = !(value.is_array() && OWN.contains(&key.as_str()));
+        if !is_table {
+            add_unexpected(&mut errors, key, key, value, "a table");
+        }
+        is_table
+    });
     let all = TableReader { path: "", table: written, taken: TABLES.to_vec(), errors: &mut errors }.read();
     let mut definition = Definition { schema: 1, ..all };
     if !has_name {

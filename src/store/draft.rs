@@ -145,7 +145,8 @@ impl Draft {
     /// the old one.
     pub fn set_kind(&mut self, kind: &str) {
         let has = |name: &str| catalog::parameters(kind).iter().any(|parameter| parameter.name == name);
-        self.choose(("stimulus", "kind"), kind, has);
+        self.put("stimulus.kind", kind.into());
+        self.retain("stimulus", |name| name == "kind" || has(name));
         if kind == Picture::KIND {
             // Pictures bring their factors.
             self.remove("factors");
@@ -156,8 +157,9 @@ impl Draft {
     /// Changes what participants do. Options that the new task does not have are removed, and so are the instructions,
     /// the question and the answers of the old one.
     pub fn set_task(&mut self, kind: &str) {
+        self.put("task.kind", kind.into());
         let options = Task::options(kind);
-        self.choose(("task", "kind"), kind, |name| options.iter().any(|option| option.key == name));
+        self.retain("task", |name| name == "kind" || options.iter().any(|option| option.key == name));
         self.remove_task_texts();
     }
 
@@ -169,17 +171,18 @@ impl Draft {
     /// are removed, and so are the repetitions, because a method has its number of trials.
     pub fn set_method(&mut self, method: Option<&str>) {
         let Some(method) = method else { return self.remove("adaptive") };
+        self.put("adaptive.method", method.into());
         self.remove("design.repetitions");
-        let options = || Common::OPTIONS.iter().chain(Method::options(method));
-        let has = |name: &str| options().any(|option| option.key.split('.').next() == Some(name));
-        self.choose(("adaptive", "method"), method, has);
+        let has = |name: &str| {
+            let mut options = Common::OPTIONS.iter().chain(Method::options(method));
+            options.any(|option| option.key.split('.').next() == Some(name))
+        };
+        self.retain("adaptive", |name| name == "method" || has(name));
     }
 
-    /// Changes the kind that a table names with `tag`, and removes what the new one does not have.
-    fn choose(&mut self, (table, tag): (&str, &str), kind: &str, has: impl Fn(&str) -> bool) {
-        self.put(&format!("{table}.{tag}"), kind.into());
-        let removed = self.keys(table).into_iter().filter(|key| key != tag && !has(key));
-        removed.for_each(|key| self.remove(&format!("{table}.{key}")));
+    fn retain(&mut self, table: &str, keep: impl Fn(&str) -> bool) {
+        let removed: Vec<String> = self.keys(table).into_iter().filter(|key| !keep(key)).collect();
+        removed.iter().for_each(|key| self.remove(&format!("{table}.{key}")));
     }
 
     /// Returns the names of the factors, in their order.

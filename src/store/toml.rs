@@ -43,8 +43,11 @@ pub(super) fn read<'t, T: DeserializeOwned>(file: &'t str, text: &'t str) -> Res
     }
     let read = without_unread(value, "", &[], |path, message| {
         let place = document.locate(path);
-        document.errors.push((place, message, path.to_owned()));
-        document.unread.push(place);
+        // A key that could not be read is missing after that.
+        if !document.unread.contains(&place) {
+            document.errors.push((place, message, path.to_owned()));
+            document.unread.push(place);
+        }
     });
     match read {
         Some(read) => Ok((read, document)),
@@ -105,7 +108,10 @@ impl OptionReader for TableReader<'_> {
         let read = without_unread(table, self.path, &self.taken, |path, message| {
             let key = path.strip_prefix(self.path).unwrap_or(path).trim_start_matches('.');
             let message = if message.starts_with('"') { format!("{key} {message}") } else { message };
-            self.errors.add(path, message);
+            // A key that could not be read is missing after that.
+            if self.errors.0.iter().all(|error| error.path != path) {
+                self.errors.add(path, message);
+            }
         });
         read.unwrap_or_default()
     }

@@ -20,12 +20,12 @@ use crate::{
         self,
         image::{ASSUMED, Picture},
     },
-    system::today,
     text::{
         names::one_of,
         number::{whole, within},
     },
 };
+
 
 /// How the display converts codes to light.
 #[derive(Clone, Debug, Default, PartialEq, clap::Args, Serialize)]

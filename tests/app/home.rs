@@ -269,24 +269,16 @@ fn texts_have_glyphs() {
     let mut window = window::home([800.0, 600.0], STEP_S);
     window.run_steps(2);
     let font = egui::FontId::proportional(15.0);
-    let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("src")];
     let mut read = 0;
-    while let Some(folder) = folders.pop() {
-        for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
-            if path.is_dir() {
-                folders.push(path);
-                continue;
-            }
-            let text =
-                path.extension().filter(|ending| *ending == "rs").map(|_| std::fs::read_to_string(&path).unwrap());
-            let text = text.unwrap_or_default();
-            let code = text.lines().map(|line| line.split("// ").next().unwrap_or_default());
-            let code = code.filter(|line| !line.trim_start().starts_with("//"));
-            for character in code.flat_map(str::chars).filter(|c| !c.is_ascii() && !c.is_whitespace()) {
-                read += 1;
-                let has_glyph = window.ctx.fonts_mut(|fonts| fonts.has_glyph(&font, character));
-                assert!(has_glyph, "{character:?} in {}", path.display());
-            }
+    let sources = common::everything(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src")).into_iter();
+    for (path, text) in sources.filter(|(path, _)| path.extension().is_some_and(|ending| ending == "rs")) {
+        let text = String::from_utf8(text).unwrap();
+        let code = text.lines().map(|line| line.split("// ").next().unwrap_or_default());
+        let code = code.filter(|line| !line.trim_start().starts_with("//"));
+        for character in code.flat_map(str::chars).filter(|c| !c.is_ascii() && !c.is_whitespace()) {
+            read += 1;
+            let has_glyph = window.ctx.fonts_mut(|fonts| fonts.has_glyph(&font, character));
+            assert!(has_glyph, "{character:?} in {}", path.display());
         }
     }
     assert!(read > 100, "{read}");
