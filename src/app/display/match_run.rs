@@ -117,6 +117,13 @@ impl MatchRun {
     }
 }
 
+impl Drop for MatchRun {
+    /// Tries once more to write a match that could not be written.
+    fn drop(&mut self) {
+        self.is_saved();
+    }
+}
+
 impl Run for MatchRun {
     /// Handles the keys, then draws the field.
     fn show(&mut self, ui: &mut egui::Ui, _: &Monitor) -> Step<Option<Findings>> {
@@ -129,7 +136,6 @@ impl Run for MatchRun {
                 continue;
             }
             if key == Key::Escape {
-                self.is_saved();
                 return Step::Back;
             }
             self.press(key, repeat, now, start_s);
