@@ -49,14 +49,8 @@ impl Refresh {
     pub fn known(reported_hz: Option<f64>, intervals_us: &[u32]) -> KnownRefresh {
         let named = |source| move |refresh| (Some(refresh), source);
         let reported = reported_hz.and_then(Self::from_hz).map(named("reported"));
-        let measured = || Self::measured(intervals_us).map(named("measured"));
-        reported.or_else(measured).unwrap_or((None, "unknown"))
-    }
-
-    /// Returns the refresh that frames with these durations follow, as estimated by [`Refresh::estimate`]; `None` if
-    /// the durations scatter.
-    pub fn measured(intervals_us: &[u32]) -> Option<Self> {
-        Self::estimate(intervals_us).filter(|refresh| refresh.is_followed_by(intervals_us))
+        let measured = || Self::estimate(intervals_us).filter(|refresh| refresh.is_followed_by(intervals_us));
+        reported.or_else(|| measured().map(named("measured"))).unwrap_or((None, "unknown"))
     }
 
     /// Estimates the refresh of the screen from the intervals of its frames: their total time divided by the number of

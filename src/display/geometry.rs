@@ -169,18 +169,13 @@ impl Monitor {
 
     /// Says what [`Monitor::assumed_width_cm`] assumes.
     pub fn assumption(&self) -> String {
-        let per_inch = self.assumed_per_inch();
+        let per_inch = (96.0 * self.scale).round();
         let scaled =
             if self.scale == 1.0 { String::new() } else { format!(", from the system's scale of {}", self.scale) };
         format!("Assumed ({per_inch} pixels per inch{scaled}); measure it before a study")
     }
 
-    /// Returns the pixels per inch that systems assume for unknown screens.
-    pub fn assumed_per_inch(&self) -> f64 {
-        (96.0 * self.scale).round()
-    }
-
-    /// Returns the width in cm with as many pixels per inch.
+    /// Returns the width in cm with the pixels per inch that systems assume for unknown screens.
     pub fn assumed_width_cm(&self) -> f64 {
         f64::from(self.width_px) / self.scale.max(0.1) / 96.0 * 2.54
     }

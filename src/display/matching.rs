@@ -253,14 +253,6 @@ impl ChannelGamma {
         let advice = "Sit far enough away that the rows blend, and repeat the matches.";
         (half > MAX_HALF_WIDTH).then(|| format!("gamma is uncertain by ± {half:.2}. {advice}"))
     }
-
-    /// Returns the transfer function, with γ rounded for a profile.
-    ///
-    /// # Errors
-    /// Returns an error if γ is implausible for a display.
-    fn transfer(&self) -> Result<Transfer, String> {
-        Transfer::gamma((self.gamma * 1e3).round() / 1e3)
-    }
 }
 
 /// Returns the display's transfer functions: one each for red, green, and blue if all were matched, otherwise the
@@ -268,7 +260,8 @@ impl ChannelGamma {
 pub fn transfers(estimates: &[(Channel, Result<ChannelGamma, String>)]) -> Option<Transfers> {
     let of = |wanted: Channel| {
         let (_, found) = estimates.iter().find(|(channel, _)| *channel == wanted)?;
-        found.as_ref().ok()?.transfer().ok()
+        // Rounded for a profile; `None` if it is implausible for a display.
+        Transfer::gamma((found.as_ref().ok()?.gamma * 1e3).round() / 1e3).ok()
     };
     match (of(Channel::Red), of(Channel::Green), of(Channel::Blue)) {
         (Some(red), Some(green), Some(blue)) => Some(Transfers::new([red, green, blue])),

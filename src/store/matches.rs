@@ -63,6 +63,14 @@ impl MatchFile {
         let row = format!("{event},{number},{channel},{lit},{period},{row_px},{code},{time_s:.3},{seed}\n");
         self.file.append(row.as_bytes())
     }
+
+    /// Writes the matches that could not be written before.
+    ///
+    /// # Errors
+    /// The write failed again.
+    pub fn save(&mut self) -> Result<(), StoreError> {
+        self.file.flush()
+    }
 }
 
 /// Reads the matches that count, in order.

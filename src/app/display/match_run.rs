@@ -73,6 +73,14 @@ impl MatchRun {
         self.due_s = now + GAP_S;
     }
 
+    /// Returns whether every match is in the file, after another attempt if one is not.
+    fn is_saved(&mut self) -> bool {
+        if self.unsaved.is_some() {
+            self.unsaved = self.file.save().err().map(|error| error.to_string());
+        }
+        self.unsaved.is_none()
+    }
+
     fn draw(&mut self, ui: &mut egui::Ui, shown: Match) {
         let (width, height) = window_px(ui.ctx());
         let below = (TEXT_ROOM * ui.ctx().pixels_per_point()).ceil() as u32;
@@ -103,12 +111,16 @@ impl MatchRun {
         let area = ui.ctx().content_rect();
         let line = egui::Rect::from_min_max(egui::pos2(area.min.x + 12.0, area.max.y - TEXT_ROOM), area.max);
         ui.scope_builder(egui::UiBuilder::new().max_rect(line), |ui| match &self.unsaved {
-            Some(error) => show_error(
-                ui,
-                format!("The last match is not saved yet; it will be written with the next one: {error}"),
-            ),
+            Some(error) => show_error(ui, format!("The last match is not saved yet; the program tries again: {error}")),
             None => _ = ui.add(egui::Label::new(secondary(text)).truncate()),
         });
+    }
+}
+
+impl Drop for MatchRun {
+    /// Tries once more to write a match that could not be written.
+    fn drop(&mut self) {
+        self.is_saved();
     }
 }
 
@@ -128,13 +140,15 @@ impl Run for MatchRun {
             }
             self.press(key, repeat, now, start_s);
         }
-        let Some(shown) = self.matching.shown() else { return Step::Next(None) };
+        let shown = self.matching.shown();
+        if shown.is_none() && self.is_saved() {
+            return Step::Next(None);
+        }
         ui.ctx().set_cursor_icon(CursorIcon::None);
         egui::CentralPanel::default().frame(egui::Frame::NONE).show(ui, |ui| {
-            if now < self.due_s {
-                ui.ctx().request_repaint();
-            } else {
-                self.draw(ui, shown);
+            match shown {
+                Some(shown) if now >= self.due_s => self.draw(ui, shown),
+                _ => ui.ctx().request_repaint(),
             }
             self.line(ui);
         });

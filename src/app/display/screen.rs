@@ -15,6 +15,7 @@ use crate::{
             secondary, show_error,
             theme::{COLUMN, ink},
             today,
+            work::Kept,
         },
     },
     display::{
@@ -94,8 +95,8 @@ impl CheckedScreen {
 #[derive(Default)]
 pub struct ScreenForm {
     card: Option<Card>,
-    /// The width in cm that the screen reports, if any; `None` until it is queried.
-    reported_cm: Option<Option<f64>>,
+    /// The width in cm that the screen with this title reports, if any.
+    reported_cm: Kept<String, Option<f64>>,
 }
 
 impl ScreenForm {
@@ -135,7 +136,7 @@ impl ScreenForm {
         if ui.button("Measure with a card…").clicked() {
             self.card = Some(Card::new(number(&fields.screen_width_cm).unwrap_or(assumed), monitor.width_px));
         }
-        let reported_cm = *self.reported_cm.get_or_insert_with(|| Platform::of(monitor).width_cm);
+        let reported_cm = *self.reported_cm.get(monitor.title(), || Platform::of(monitor).width_cm);
         let Some(reported) = reported_cm.map(|cm| format!("{cm:.1}")) else { return };
         let button = ui.button(format!("The screen reports {reported}"));
         if button.on_hover_text("Some screens report an incorrect width; check it with a card.").clicked() {

@@ -187,10 +187,7 @@ fn geometry(
     };
     let origin = match known_cm {
         Some(cm) => format!("The screen is {cm:.1} cm wide."),
-        None => {
-            let per_inch = monitor.assumed_per_inch();
-            format!("The screen's width is unknown; {width_cm:.1} cm is assumed ({per_inch} pixels per inch).")
-        }
+        None => format!("The screen's width is unknown. {}.", monitor.assumption()),
     };
     let (distance, per_degree) = (request.distance_cm, viewing.px_per_degree());
     let sentence = format!("{origin} At {distance} cm, one degree is {per_degree:.1} pixels.");

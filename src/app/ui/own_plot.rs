@@ -42,15 +42,15 @@ impl OwnPlot {
         let last: BTreeMap<u32, &TrialRecord> =
             rows.iter().filter(|row| row.phase == Phase::Main).map(|row| (row.trial, row)).collect();
         let rows: Vec<&TrialRecord> = last.into_values().collect();
+        let texts = &protocol.instructions;
         let plot = match protocol.task.measures() {
             Measures::Ratings => {
-                let label = protocol.instructions.mean_rating.clone();
                 let y = [0.0, protocol.response.highest().into()];
-                means(protocol, &rows, (label, y), |row| Some(row.rating?.0.into()))
+                means(protocol, &rows, (&texts.mean_rating, y), |row| Some(row.rating?.0.into()))
             }
             Measures::Settings => {
                 let dial = protocol.task.dial()?;
-                let label = dial.parameter.clone().unwrap_or_else(|| protocol.instructions.mean_rating.clone());
+                let label = dial.parameter.as_ref().unwrap_or(&texts.mean_rating);
                 means(protocol, &rows, (label, dial.range), |row| match row.given(protocol)? {
                     Answer::Value(value) => Some(value),
                     Answer::Key(_) => None,
@@ -58,12 +58,9 @@ impl OwnPlot {
             }
             Measures::Comparisons => chosen(protocol, &rows),
             Measures::Proportions | Measures::Detection if protocol.adaptive.is_some() => levels(protocol, &rows),
-            Measures::Proportions | Measures::Detection => {
-                let label = protocol.instructions.right.clone();
-                means(protocol, &rows, (label, [0.0, 1.0]), |row| {
-                    row.answer.as_ref()?.correct.map(|right| f64::from(u8::from(right)))
-                })
-            }
+            Measures::Proportions | Measures::Detection => means(protocol, &rows, (&texts.right, [0.0, 1.0]), |row| {
+                row.answer.as_ref()?.correct.map(|right| f64::from(u8::from(right)))
+            }),
         };
         plot.filter(|plot| !plot.lines.is_empty())
     }
@@ -131,7 +128,7 @@ fn shown(protocol: &Protocol, factor: &Factor, level: &str) -> String {
 fn means(
     protocol: &Protocol,
     rows: &[&TrialRecord],
-    (y_label, y): (String, [f64; 2]),
+    (y_label, y): (&str, [f64; 2]),
     value: impl Fn(&TrialRecord) -> Option<f64>,
 ) -> Option<OwnPlot> {
     let factors = &protocol.factors;
@@ -157,17 +154,17 @@ fn means(
     let known = Some(protocol.stimulus.parameters());
     let x = names::factor(known, &along.name);
     let caption = match by {
-        Some(by) if y_label == protocol.instructions.mean_rating => {
+        Some(by) if *y_label == protocol.instructions.mean_rating => {
             let lines = names::factor(known, &by.name);
             protocol.instructions.ratings.replace("{x}", &x).replace("{lines}", &lines)
         }
-        _ => y_label.clone(),
+        _ => y_label.to_owned(),
     };
     let place = |level: &ParameterValue| names::level(known, &along.name, &level.to_string()).to_string();
     Some(OwnPlot {
         caption,
         x_label: x,
-        y_label,
+        y_label: y_label.to_owned(),
         places: along.levels.iter().map(place).collect(),
         y,
         lines: lines.collect(),

@@ -1,7 +1,7 @@
 //! A display measured with a photometer: the fitted models, the chosen model, and warnings.
 
 use super::{
-    fit::{ASSUMED_NOISE, Curve, Family, Fit, Sample, fit},
+    fit::{ASSUMED_NOISE, Curve, Family, Sample, fit},
     readings::{Readings, additivity, drift_percent},
 };
 use crate::{
@@ -35,16 +35,6 @@ const EXACT: f64 = 1e-8;
 /// are far apart are left out at once.
 const MAX_VALIDATION: usize = 100_000;
 
-/// How well a model predicts levels that it was not fitted to. Each level except 0 and 1 is left out in turn, because
-/// no model can predict black and white without readings.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Validation {
-    /// Root mean square error, in 8-bit codes.
-    pub rms_codes: f64,
-    /// The squared error at each level of each channel, in a fixed order and in units of the assumed noise.
-    squares: Vec<f64>,
-}
-
 /// A model fitted to readings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FittedModel {
@@ -52,8 +42,11 @@ pub struct FittedModel {
     pub family: Family,
     /// The channels that were read, in the order of [`Readings::channels`].
     pub channels: Vec<FittedChannel>,
-    /// How well the model predicts levels that are left out.
-    pub validation: Validation,
+    /// How well the model predicts levels that it was not fitted to: root mean square error, in 8-bit codes. Each level
+    /// except 0 and 1 is left out in turn, because no model can predict black and white without readings.
+    pub rms_codes: f64,
+    /// The squared error at each of these levels of each channel, in a fixed order and in units of the assumed noise.
+    squares: Vec<f64>,
     /// How far the readings are from this model: the root mean square, relative to the light. It is their noise if the
     /// model is correct.
     pub misfit: f64,
@@ -92,11 +85,17 @@ impl Calibration {
     /// Fits all models to the readings and chooses one.
     pub fn new(readings: &Readings) -> Self {
         let sample = Sample::new(readings);
-        let models: Vec<FittedModel> = Family::ALL.iter().map(|family| model(*family, &sample)).collect();
-        let chosen = simplest_of_the_best(&models.iter().map(|model| &model.validation).collect::<Vec<_>>());
+        // One shape for all channels, or one for each, whichever predicts better.
+        let best = |family: &Family| {
+            let is_one = *family == Family::Srgb || sample.channels.len() == 1;
+            let variants: &[bool] = if is_one { &[true] } else { &[true, false] };
+            let mut models: Vec<_> = variants.iter().map(|shared| model(*family, *shared, &sample)).collect();
+            models.swap_remove(simplest_of_the_best(&models))
+        };
+        let models: Vec<FittedModel> = Family::ALL.iter().map(best).collect();
         let mut calibration = Self {
             readings: readings.clone(),
-            chosen: models[chosen].family,
+            chosen: models[simplest_of_the_best(&models)].family,
             models,
             additivity: additivity(readings),
             drift_percent: drift_percent(readings),
@@ -158,30 +157,24 @@ impl Calibration {
     }
 }
 
-/// Fits the model of a family, with one shape for all channels or one for each, whichever predicts better.
-fn model(family: Family, sample: &Sample) -> FittedModel {
-    let variants: &[bool] = if family == Family::Srgb || sample.channels.len() == 1 { &[true] } else { &[true, false] };
-    let validated = |shared: &bool| {
-        let full = fit(family, *shared, sample, None);
-        let validation = validate(sample, |rest| fit(family, *shared, rest, Some(&full)).curves);
-        (full, validation)
-    };
-    let fits: Vec<(Fit, Validation)> = variants.iter().map(validated).collect();
-    let best = simplest_of_the_best(&fits.iter().map(|(_, validation)| validation).collect::<Vec<_>>());
-    let (fit, validation) = &fits[best];
-    let square = if family == Family::Table { mean(&validation.squares) / TABLE_SQUARE } else { fit.variance };
-    let channels = sample.channels.iter().zip(&fit.curves);
+/// Fits the model of a family, with one shape for all channels if `shared`, and otherwise one for each.
+fn model(family: Family, shared: bool, sample: &Sample) -> FittedModel {
+    let full = fit(family, shared, sample, None);
+    let (codes, squares) = validate(sample, |rest| fit(family, shared, rest, Some(&full)).curves);
+    let square = if family == Family::Table { mean(&squares) / TABLE_SQUARE } else { full.variance };
+    let channels = sample.channels.iter().zip(&full.curves);
     FittedModel {
         family,
         channels: channels.map(|(channel, curve)| fitted_channel(sample, *channel, curve)).collect(),
-        validation: validation.clone(),
+        rms_codes: mean(&codes).sqrt(),
+        squares,
         misfit: ASSUMED_NOISE * square.sqrt(),
     }
 }
 
 /// Leaves out one level at a time, or several if there are very many, and predicts it; `fitted_to` fits the model to
-/// the rest.
-fn validate(sample: &Sample, fitted_to: impl Fn(&Sample) -> Vec<Curve>) -> Validation {
+/// the rest. Returns the squared errors in codes, and in units of the assumed noise.
+fn validate(sample: &Sample, fitted_to: impl Fn(&Sample) -> Vec<Curve>) -> (Vec<f64>, Vec<f64>) {
     let (mut codes, mut squares) = (Vec::new(), Vec::new());
     let levels = sample.inner_levels();
     let fits = (MAX_VALIDATION / sample.points.len().max(1)).clamp(10, levels.len().max(10));
@@ -195,17 +188,17 @@ fn validate(sample: &Sample, fitted_to: impl Fn(&Sample) -> Vec<Curve>) -> Valid
             squares.push(((y - curve.cd_m2(level)) / sd).powi(2));
         }
     }
-    Validation { rms_codes: mean(&codes).sqrt(), squares }
+    (codes, squares)
 }
 
 /// Returns the index of the model to use; `models` are in order of complexity, starting with the simplest. It is the
 /// simplest model whose error is within one standard error of the smallest error (Hastie, Tibshirani & Friedman 2009,
 /// The Elements of Statistical Learning, §7.10) and at most [`MAX_ERROR_RATIO`] times the smallest. The standard error
 /// is the standard error of the difference at the same levels.
-fn simplest_of_the_best(models: &[&Validation]) -> usize {
+fn simplest_of_the_best(models: &[FittedModel]) -> usize {
     let Some(least) = models.iter().min_by(|a, b| mean(&a.squares).total_cmp(&mean(&b.squares))) else { return 0 };
     let bound = MAX_ERROR_RATIO.powi(2) * mean(&least.squares).max(EXACT);
-    let is_as_good = |model: &&Validation| {
+    let is_as_good = |model: &FittedModel| {
         let differences: Vec<f64> = model.squares.iter().zip(&least.squares).map(|(a, b)| a - b).collect();
         let (n, excess, square) = (differences.len() as f64, mean(&differences), mean(&model.squares));
         let variance = differences.iter().map(|d| (d - excess).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);

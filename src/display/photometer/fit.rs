@@ -201,32 +201,24 @@ pub(super) struct Fit {
     shapes: Vec<[f64; 2]>,
 }
 
-/// Fits a model: curves or, if it is a table, tables made from them. Starts from another fit of the same model, if given.
+/// Fits a model: one shape and one black for all channels if `shared`, otherwise a separate shape and black for each
+/// channel; a table is made from them. Starts from another fit of the same model, if given.
 pub(super) fn fit(family: Family, shared: bool, sample: &Sample, start: Option<&Fit>) -> Fit {
-    let mut fit = fit_curves(family, shared, sample, start);
-    if family == Family::Table {
-        fit.curves = tables(sample, &fit.curves, shared);
-    }
-    fit
-}
-
-/// Fits the curves: one shape and one black for all channels if `shared`, otherwise a separate shape and black for each
-/// channel.
-fn fit_curves(family: Family, shared: bool, sample: &Sample, start: Option<&Fit>) -> Fit {
-    let best = |sample: &Sample, starts: &[[f64; 2]]| {
-        let fits = starts.iter().map(|start| descend(family, sample, *start));
-        fits.reduce(|a, b| if b.variance < a.variance { b } else { a })
+    let parts = match shared {
+        true => vec![sample.clone()],
+        false => sample.channels.iter().map(|channel| sample.of(*channel)).collect(),
     };
     let mut all = Fit { curves: Vec::new(), variance: 0.0, shapes: Vec::new() };
-    if shared || sample.channels.len() == 1 {
-        return best(sample, start.map_or(&STARTS[..], |fit| &fit.shapes)).unwrap_or(all);
-    }
-    for (index, channel) in sample.channels.iter().enumerate() {
+    for (index, part) in parts.iter().enumerate() {
         let starts = start.map_or(&STARTS[..], |fit| &fit.shapes[index..=index]);
-        let Some(own) = best(&sample.of(*channel), starts) else { continue };
-        all.curves.extend(own.curves);
-        all.shapes.extend(own.shapes);
-        all.variance += own.variance / sample.channels.len() as f64;
+        let fits = starts.iter().map(|start| descend(family, part, *start));
+        let Some(best) = fits.reduce(|a, b| if b.variance < a.variance { b } else { a }) else { continue };
+        all.curves.extend(best.curves);
+        all.shapes.extend(best.shapes);
+        all.variance += best.variance / parts.len() as f64;
+    }
+    if family == Family::Table {
+        all.curves = tables(sample, &all.curves, shared);
     }
     all
 }

@@ -12,7 +12,7 @@ mod calibration;
 mod fit;
 mod readings;
 
-pub use calibration::{Calibration, FittedChannel, FittedModel, Validation};
+pub use calibration::{Calibration, FittedChannel, FittedModel};
 pub use fit::{Curve, Family};
 pub use readings::{
     MIN_LEVELS, Patch, Reading, Readings, additivity, drift_percent, is_same_level, largest_percent, patches,

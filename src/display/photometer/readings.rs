@@ -55,11 +55,6 @@ pub struct Readings {
 }
 
 impl Readings {
-    pub(super) fn unchecked(all: Vec<Reading>) -> Self {
-        let read = |channel: &Channel| all.iter().any(|one| one.channel == *channel);
-        Self { channels: Channel::ALL.iter().copied().filter(read).collect(), all }
-    }
-
     /// All readings in the order in which they were taken.
     pub fn all(&self) -> &[Reading] {
         &self.all
@@ -171,7 +166,8 @@ impl Readings {
     /// # Errors
     /// Returns all errors from the first check that fails: why a profile cannot be made, and what is expected.
     pub fn new(readings: Vec<Reading>) -> Result<Self, Vec<String>> {
-        let readings = Self::unchecked(readings);
+        let read = |channel: &Channel| readings.iter().any(|one| one.channel == *channel);
+        let readings = Self { channels: Channel::ALL.iter().copied().filter(read).collect(), all: readings };
         // Each check relies on the previous one.
         let checks = [reading_errors, set_errors, curve_errors, order_errors];
         let errors = checks.iter().map(|check| check(&readings)).find(|errors| !errors.is_empty());

@@ -66,7 +66,7 @@ pub fn calibration_tables(calibration: &Calibration) -> [TextTable; 2] {
         .number("largest codes", |(_, own)| fixed(own.largest_codes, 2));
     let validation = TableOf::new("Leave-one-level-out error", models)
         .text("model", |model| model.family.name())
-        .number("rms codes", |model| fixed(model.validation.rms_codes, 2));
+        .number("rms codes", |model| fixed(model.rms_codes, 2));
     [fits.into(), validation.into()]
 }
 
