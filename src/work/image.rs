@@ -8,7 +8,7 @@ use std::{
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, builder::PossibleValuesParser};
 use serde::{Serialize, Serializer};
 
-use super::{RequestError, Watcher};
+use super::{RequestError, Watcher, today};
 use crate::{
     display::DisplayProfile,
     light::{Bits, CodeImage, Dither, Transfer, Transfers},
@@ -25,7 +25,6 @@ use crate::{
         number::{whole, within},
     },
 };
-
 
 /// How the display converts codes to light.
 #[derive(Clone, Debug, Default, PartialEq, clap::Args, Serialize)]
