@@ -10,7 +10,7 @@ use crate::{
     experiment::{
         Protocol,
         task::{
-            Easier, Measures, Method,
+            Easier, Method,
             curve::{Curve, Psychometric},
         },
     },
@@ -133,9 +133,6 @@ impl Model {
     /// Returns what is known about the psychometric functions of a study; `None` if no levels are varied.
     pub fn of(protocol: &Protocol) -> Option<Self> {
         let adaptive = protocol.adaptive.as_ref()?;
-        if !matches!(protocol.task.measures(), Measures::Proportions | Measures::Detection) {
-            return None;
-        }
         let curve = if let Method::QuestPlus(quest) = &adaptive.method { quest.function } else { Curve::Normal };
         let guess = protocol.task.guess().map_or(Guess::Free, Guess::Fixed);
         let falls = adaptive.common.easier == Easier::Low;

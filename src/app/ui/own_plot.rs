@@ -9,7 +9,7 @@ use crate::{
     app::ui::{legend, still_plot, theme},
     experiment::{
         Factor, Phase, Protocol, TaskAnswer, TrialRecord,
-        task::{Answer, Measures, significant},
+        task::{Answer, significant},
     },
     report::names,
     stimulus::ParameterValue,
@@ -42,28 +42,24 @@ impl OwnPlot {
         let last: BTreeMap<u32, &TrialRecord> =
             rows.iter().filter(|row| row.phase == Phase::Main).map(|row| (row.trial, row)).collect();
         let rows: Vec<&TrialRecord> = last.into_values().collect();
-        let plot = match protocol.task.measures() {
-            Measures::Ratings => {
-                let label = protocol.instructions.mean_rating.clone();
-                let y = [0.0, protocol.response.highest().into()];
-                means(protocol, &rows, (label, y), |row| Some(row.rating?.0.into()))
-            }
-            Measures::Settings => {
-                let dial = protocol.task.dial()?;
-                let label = dial.parameter.clone().unwrap_or_else(|| protocol.instructions.mean_rating.clone());
-                means(protocol, &rows, (label, dial.range), |row| match row.given(protocol)? {
-                    Answer::Value(value) => Some(value),
-                    Answer::Key(_) => None,
-                })
-            }
-            Measures::Comparisons => chosen(protocol, &rows),
-            Measures::Proportions | Measures::Detection if protocol.adaptive.is_some() => levels(protocol, &rows),
-            Measures::Proportions | Measures::Detection => {
-                let label = protocol.instructions.right.clone();
-                means(protocol, &rows, (label, [0.0, 1.0]), |row| {
-                    row.answer.as_ref()?.correct.map(|right| f64::from(u8::from(right)))
-                })
-            }
+        let (task, texts) = (&protocol.task, &protocol.instructions);
+        let plot = if let Some(dial) = task.dial() {
+            let label = dial.parameter.unwrap_or_else(|| texts.mean_rating.clone());
+            means(protocol, &rows, (label, dial.range), |row| match row.given(protocol)? {
+                Answer::Value(value) => Some(value),
+                Answer::Key(_) => None,
+            })
+        } else if task.is_default() {
+            let y = [0.0, protocol.response.highest().into()];
+            means(protocol, &rows, (texts.mean_rating.clone(), y), |row| Some(row.rating?.0.into()))
+        } else if protocol.pairs().is_some() {
+            chosen(protocol, &rows)
+        } else if protocol.adaptive.is_some() {
+            levels(protocol, &rows)
+        } else {
+            means(protocol, &rows, (texts.right.clone(), [0.0, 1.0]), |row| {
+                row.answer.as_ref()?.correct.map(|right| f64::from(u8::from(right)))
+            })
         };
         plot.filter(|plot| !plot.lines.is_empty())
     }

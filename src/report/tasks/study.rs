@@ -13,7 +13,7 @@ use crate::{
     },
     experiment::{
         Factor, Phase, Protocol, Replayed,
-        task::{Adaptive, Answer, Common, Dial, Measures, Presentation, Second, Task},
+        task::{Adaptive, Answer, Common, Dial, Presentation, Second, Task},
     },
     report::{
         StudyError,
@@ -211,12 +211,12 @@ impl From<&Protocol> for Asked {
             range: adaptive.range(),
             model,
         });
-        let measured = match (levels, protocol.task.dial(), protocol.task.measures()) {
-            (Some(levels), ..) => Measured::Thresholds(levels),
-            (_, Some(dial), _) => Measured::Settings(dial),
-            (.., Measures::Proportions) => Measured::Proportions,
-            (.., Measures::Detection) => Measured::Sensitivity,
-            _ => Measured::Scale,
+        let measured = match (levels, protocol.task.dial()) {
+            (Some(levels), _) => Measured::Thresholds(levels),
+            (None, Some(dial)) => Measured::Settings(dial),
+            _ if protocol.pairs().is_some() => Measured::Scale,
+            _ if protocol.task.catches().is_some() => Measured::Sensitivity,
+            _ => Measured::Proportions,
         };
         let mut factors = protocol.factors.clone();
         let mut conditions: Vec<Vec<usize>> =
