@@ -3,8 +3,6 @@
 
 use std::{array::from_fn, f64::consts::PI, fmt, str::FromStr};
 
-use serde::Serialize;
-
 use super::numeric::{highest, legendre};
 use crate::{
     experiment::{
@@ -19,7 +17,7 @@ use crate::{
 };
 
 /// The answers at one level, or in one block of trials at a level.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
     /// The level, on the scale of the curve: its base-10 logarithm on a logarithmic axis; infinite in catch trials
     /// ([`Model::unseen`]).
@@ -105,7 +103,7 @@ pub struct Model {
 }
 
 /// The parameters of a psychometric function: those at which the posterior density is highest.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     /// m, the level with F = ½, on the scale of x.
     pub threshold: f64,
