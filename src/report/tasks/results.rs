@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
 use rayon::prelude::*;
 
-use super::study::{Given, Levels, Measured, OfPerson, TaskStudy};
+use super::study::{Given, Levels, Measure, OfPerson, TaskStudy};
 use crate::{
     analysis::{
         comparisons::{Drawn, Scale, Scaling, Triads, Wins},
@@ -182,15 +182,15 @@ impl TaskResults {
     fn of_each(&self, study: &TaskStudy) -> Vec<OfPerson<f64>> {
         let with = |person, condition, found| OfPerson { person, condition, found };
         let threshold = |own: &PersonFunction| Some(with(own.person, own.condition, own.estimated()?.threshold));
-        let mut all: Vec<OfPerson<f64>> = match study.asked.measured {
-            Measured::Thresholds(_) => self.functions.iter().filter_map(threshold).collect(),
-            Measured::Proportions => study.each(|given| Some(proportion(&given.seen(true)))),
-            Measured::Sensitivity => {
+        let mut all: Vec<OfPerson<f64>> = match study.asked.measure {
+            Measure::Thresholds(_) => self.functions.iter().filter_map(threshold).collect(),
+            Measure::Proportions => study.each(|given| Some(proportion(&given.seen(true)))),
+            Measure::Sensitivity => {
                 let own = study.detection().into_iter();
                 own.filter_map(|own| Some(with(own.person, own.condition, own.found.1?.d_prime))).collect()
             }
-            Measured::Settings(_) => study.each(|given| Some(Settings::of(&given.values)?.mean)),
-            Measured::Scale => {
+            Measure::Settings(_) => study.each(|given| Some(Settings::of(&given.values)?.mean)),
+            Measure::Scale => {
                 let people = self.comparisons.iter().flat_map(|found| found.own.iter().enumerate());
                 let scales = people.filter_map(|(person, scales)| Some((person, &scales.as_ref()?[0].values)));
                 let of_person = |(person, values): (usize, &Vec<f64>)| {

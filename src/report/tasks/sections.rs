@@ -2,7 +2,7 @@
 
 use super::{
     results::{Comparisons, PersonFunction, TaskResults, proportion},
-    study::{Levels, Measured, OfPerson, TaskStudy, scaled},
+    study::{Levels, Measure, OfPerson, TaskStudy, scaled},
 };
 use crate::{
     analysis::{comparisons::Scale, tasks::psychometric::Fit},
@@ -57,12 +57,12 @@ pub(super) fn order(study: &TaskStudy, found: &Comparisons) -> Vec<String> {
 
 /// Returns the sections about what was measured.
 pub(super) fn of_results(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> Vec<Section> {
-    let measured = match &study.asked.measured {
-        Measured::Thresholds(Levels { common, .. }) => Some(thresholds(study, results, figures, common)),
-        Measured::Proportions => Some(shares(study)),
-        Measured::Sensitivity => None,
-        Measured::Settings(dial) => Some(settings(study, dial)),
-        Measured::Scale => results.comparisons.as_ref().map(|found| comparisons(study, found, figures)),
+    let measured = match &study.asked.measure {
+        Measure::Thresholds(Levels { common, .. }) => Some(thresholds(study, results, figures, common)),
+        Measure::Proportions => Some(shares(study)),
+        Measure::Sensitivity => None,
+        Measure::Settings(dial) => Some(settings(study, dial)),
+        Measure::Scale => results.comparisons.as_ref().map(|found| comparisons(study, found, figures)),
     };
     measured.into_iter().chain(study.asked.has_catches().then(|| detection(study))).collect()
 }
