@@ -88,7 +88,8 @@ fn means(study: &TaskStudy, results: &TaskResults) -> Vec<String> {
     (0..conditions).filter_map(of_condition).collect()
 }
 
-/// Says which thresholds were not measured and, without means, what the threshold of each participant is.
+/// Says which thresholds were not measured, which functions mean nothing and, without means, what the threshold of each participant
+/// is.
 fn not_measured(section: &mut Section, study: &TaskStudy, results: &TaskResults, levels: &Levels) {
     let Levels { common, range: [low, high], .. } = levels;
     let name = study.asked.factor(&common.parameter);
@@ -120,7 +121,15 @@ fn not_measured(section: &mut Section, study: &TaskStudy, results: &TaskResults,
         };
         section.list(results.functions.iter().filter_map(of_person).collect());
     }
-    reversed(section, study, results);
+    let odd = results.functions.iter().filter(|function| function.is_reversed);
+    let odd: Vec<String> = odd.map(|function| sections::of(study, function)).collect();
+    if !odd.is_empty() {
+        section.warning(format!(
+            "According to the answers, the other end of the levels is easier, so these functions mean nothing and are left out (easier = \
+             \"low\" in a definition, or --easier low, says that low levels are easier): {}.",
+            short_list(&odd, 12)
+        ));
+    }
 }
 
 /// The most differences that each have a sentence.
@@ -171,19 +180,6 @@ fn data(study: &TaskStudy, figures: &[Figure]) -> Section {
     section.figures(figures, &["stimulus"]);
     section.problems(&study.errors, &study.warnings);
     section
-}
-
-/// Says which functions mean nothing.
-fn reversed(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
-    let odd = results.functions.iter().filter(|function| function.is_reversed);
-    let odd: Vec<String> = odd.map(|function| sections::of(study, function)).collect();
-    if !odd.is_empty() {
-        section.warning(format!(
-            "According to the answers, the other end of the levels is easier, so these functions mean nothing and are left out (easier = \
-             \"low\" in a definition, or --easier low, says that low levels are easier): {}.",
-            short_list(&odd, 12)
-        ));
-    }
 }
 
 fn methods(study: &TaskStudy, results: &TaskResults) -> Section {
