@@ -2,7 +2,6 @@
 
 use nalgebra::{Cholesky, DMatrix};
 use rand_chacha::{ChaCha8Rng, rand_core::Rng as _};
-use serde::Serialize;
 
 use super::tasks::population::Mean;
 pub use crate::experiment::task::{Scaling, Wins};
@@ -150,7 +149,7 @@ fn is_connected(wins: &Wins) -> bool {
 }
 
 /// Comparisons that contradict each other: a over b, b over c, and c over a.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Triads {
     /// The number of contradictions.
     pub circular: u32,

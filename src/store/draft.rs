@@ -8,7 +8,7 @@ use super::{FileErrors, definition, toml};
 use crate::{
     experiment::{
         Protocol,
-        task::{Common, Method, Task},
+        task::{Adaptive, Task},
     },
     stimulus::{catalog, picture::Picture},
 };
@@ -173,10 +173,8 @@ impl Draft {
         let Some(method) = method else { return self.remove("adaptive") };
         self.put("adaptive.method", method.into());
         self.remove("design.repetitions");
-        let has = |name: &str| {
-            let mut options = Common::OPTIONS.iter().chain(Method::options(method));
-            options.any(|option| option.key.split('.').next() == Some(name))
-        };
+        let options = Adaptive::options(method);
+        let has = |name: &str| options.iter().any(|option| option.key.split('.').next() == Some(name));
         self.retain("adaptive", |name| name == "method" || has(name));
     }
 

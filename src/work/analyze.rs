@@ -381,7 +381,7 @@ fn without(study: TaskStudy, exclude: &[String], path: &Path) -> anyhow::Result<
         return Err(RequestError::new("exclude", message).into());
     }
     if study.answers() == 0 {
-        let message = "has no answers of main trials; expected at least one";
+        let message = "has no answers to analyze; expected at least one";
         return Err(StoreError::from(FileErrors::whole(path, message)).into());
     }
     Ok(study)

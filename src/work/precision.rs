@@ -23,7 +23,7 @@ use crate::{
         Course, Identity, Phase, Protocol,
         task::{Answer, Curve, Presentation, Psychometric, significant},
     },
-    report::tasks::{Asked, Estimand, Levels, Measured, TaskResults, TaskStudy},
+    report::tasks::{Asked, Estimand, Levels, Measure, TaskResults, TaskStudy},
     statistics::{Interval, median},
     system::checkpoint,
 };
@@ -49,8 +49,8 @@ impl TaskObserver {
         const SPREAD: [f64; 2] = [0.0, 1e6];
         let rounded = |value: f64| format!("{value:.1e}").parse().unwrap_or(value);
         let (lapse, false_alarms) = (("lapse", 0.02, [0.0, 0.5]), ("false_alarms", 0.1, [1e-3, 0.9]));
-        let mut own = match &asked.measured {
-            Measured::Thresholds(Levels { common, range, .. }) => {
+        let mut own = match &asked.measure {
+            Measure::Thresholds(Levels { common, range, .. }) => {
                 let [low, high] = range.map(|level| common.scaled(level));
                 vec![
                     ("threshold", common.level(f64::midpoint(low, high)), *range),
@@ -59,18 +59,18 @@ impl TaskObserver {
                     lapse,
                 ]
             }
-            Measured::Proportions => {
+            Measure::Proportions => {
                 let guess = asked.protocol.as_ref().and_then(|protocol| protocol.task.guess()).unwrap_or_default();
                 vec![("proportion", f64::midpoint(guess, 1.0), [guess, 1.0]), ("subject_sd", 0.05, SPREAD)]
             }
-            Measured::Sensitivity => vec![("d_prime", 1.5, [0.0, 10.0]), ("subject_sd", 0.5, SPREAD)],
-            Measured::Settings(dial) => {
+            Measure::Sensitivity => vec![("d_prime", 1.5, [0.0, 10.0]), ("subject_sd", 0.5, SPREAD)],
+            Measure::Settings(dial) => {
                 let Estimand { name, ends, .. } = asked.estimand();
                 let [low, high] = ends.unwrap_or_default();
                 let [subject_sd, sd] = [20.0, 10.0].map(|parts| rounded((high - low) / parts));
                 vec![(name, dial.at(0.5), dial.range), ("subject_sd", subject_sd, SPREAD), ("sd", sd, SPREAD)]
             }
-            Measured::Scale => vec![("subject_sd", 0.5, SPREAD), lapse],
+            Measure::Scale => vec![("subject_sd", 0.5, SPREAD), lapse],
         };
         own.extend(asked.has_catches().then_some(false_alarms));
         Self(own)
@@ -187,10 +187,10 @@ impl TaskPlan {
     /// Returns the mean value of the population, without shifts; 0 for a scale.
     fn center(&self) -> f64 {
         let value = self.observer.0[0].1;
-        match &self.study.asked.measured {
-            Measured::Thresholds(Levels { common, .. }) => common.scaled(value),
-            Measured::Settings(dial) if dial.log => value.log10(),
-            Measured::Scale => 0.0,
+        match &self.study.asked.measure {
+            Measure::Thresholds(Levels { common, .. }) => common.scaled(value),
+            Measure::Settings(dial) if dial.log => value.log10(),
+            Measure::Scale => 0.0,
             _ => value,
         }
     }
@@ -307,7 +307,7 @@ impl TaskPlan {
         let sd = self.observer.get("subject_sd");
         let common = sd * normal();
         // What people have in common in all conditions, a scale does not show.
-        let is_scale = matches!(asked.measured, Measured::Scale);
+        let is_scale = matches!(asked.measure, Measure::Scale);
         let value = |(levels, shift): (&Vec<usize>, &f64)| {
             let own = if is_scale { sd * normal() } else { common };
             let more: f64 = deviations.iter().map(|(factor, by_level)| by_level[levels[*factor]]).sum();
@@ -320,27 +320,27 @@ impl TaskPlan {
     fn answer(&self, shown: &Presentation, values: &[f64], rng: &mut ChaCha8Rng) -> Answer {
         let (asked, task) = (&self.study.asked, &self.protocol.task);
         let [lapse, false_alarms] = ["lapse", "false_alarms"].map(|name| self.observer.get(name));
-        let chance = match &asked.measured {
-            Measured::Settings(dial) => {
+        let chance = match &asked.measure {
+            Measure::Settings(dial) => {
                 let noise: f64 = StandardNormal.sample(rng);
                 let set = values[0] + self.observer.get("sd") * noise;
                 let set = if dial.log { f64::powf(10.0, set) } else { set };
                 return Answer::Value(significant(set.clamp(dial.range[0], dial.range[1])));
             }
             _ if shown.target == Some(0) => false_alarms,
-            Measured::Thresholds(Levels { common, model, .. }) => {
+            Measure::Thresholds(Levels { common, model, .. }) => {
                 let level = shown.level.unwrap_or_default();
                 let (slope, guess) = (common.sign() * self.observer.get("slope"), task.guess().unwrap_or(false_alarms));
                 // The curve's own threshold need not be where F is ½.
                 let threshold = values[0] - model.curve.inverse(0.5) / slope;
                 model.curve.probability(common.scaled(level), &Psychometric { threshold, slope, guess, lapse })
             }
-            Measured::Sensitivity => Curve::Normal.sigmoid(values[0] + Curve::Normal.inverse(false_alarms)),
-            Measured::Scale => {
+            Measure::Sensitivity => Curve::Normal.sigmoid(values[0] + Curve::Normal.inverse(false_alarms)),
+            Measure::Scale => {
                 let first = Curve::Normal.sigmoid(Scaling::Thurstone.jnd() * (values[0] - values[1]));
                 lapse / 2.0 + (1.0 - lapse) * first
             }
-            Measured::Proportions => values[0],
+            Measure::Proportions => values[0],
         };
         let seen = rng.random::<f64>() < chance.max(task.guess().unwrap_or_default());
         let keys = self.protocol.response.categories.len().max(2) as u8;

@@ -285,7 +285,7 @@ fn tables_of_other_programs_are_read() {
     let everyone = (1..=12).map(|person| format!("P{person:02}")).collect::<Vec<_>>().join(",");
     arguments[8] = "--out=no-one";
     let left = fails(folder.path(), &[&arguments[..], &["--exclude", &everyone]].concat(), 1);
-    assert!(left.contains("people.csv: has no answers of main trials; expected at least one"), "{left}");
+    assert!(left.contains("people.csv: has no answers to analyze; expected at least one"), "{left}");
     for (i, mean) in [3.0, 3.8, 5.1].into_iter().enumerate() {
         assert!(low[i] < mean && mean < high[i], "{mean} is not in {}…{}", low[i], high[i]);
     }

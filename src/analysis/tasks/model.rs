@@ -3,14 +3,12 @@
 
 use std::{array::from_fn, f64::consts::PI, fmt, str::FromStr};
 
-use serde::Serialize;
-
 use super::numeric::{highest, legendre};
 use crate::{
     experiment::{
         Protocol,
         task::{
-            Easier, Measures, Method,
+            Easier, Method,
             curve::{Curve, Psychometric},
         },
     },
@@ -19,7 +17,7 @@ use crate::{
 };
 
 /// The answers at one level, or in one block of trials at a level.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
     /// The level, on the scale of the curve: its base-10 logarithm on a logarithmic axis; infinite in catch trials
     /// ([`Model::unseen`]).
@@ -105,7 +103,7 @@ pub struct Model {
 }
 
 /// The parameters of a psychometric function: those at which the posterior density is highest.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     /// m, the level with F = ½, on the scale of x.
     pub threshold: f64,
@@ -133,9 +131,6 @@ impl Model {
     /// Returns what is known about the psychometric functions of a study; `None` if no levels are varied.
     pub fn of(protocol: &Protocol) -> Option<Self> {
         let adaptive = protocol.adaptive.as_ref()?;
-        if !matches!(protocol.task.measures(), Measures::Proportions | Measures::Detection) {
-            return None;
-        }
         let curve = if let Method::QuestPlus(quest) = &adaptive.method { quest.function } else { Curve::Normal };
         let guess = protocol.task.guess().map_or(Guess::Free, Guess::Fixed);
         let falls = adaptive.common.easier == Easier::Low;
@@ -195,6 +190,8 @@ pub(super) struct Priors {
     pub has_free_guess: bool,
     /// The greatest λ.
     max_lapse: f64,
+    /// The greatest η.
+    max_overdispersion: f64,
 }
 
 impl Priors {
@@ -212,7 +209,10 @@ impl Priors {
             Guess::Fixed(guess) => (false, MAX_LAPSE.min(1.0 - guess)),
             Guess::Free => (true, MAX_LAPSE),
         };
-        Ok(Self { range, least_width, has_free_guess, max_lapse })
+        // A single trial cannot vary more than binomially.
+        let has_blocks = model.overdispersed && points.iter().any(|point| point.total > 1);
+        let max_overdispersion = f64::from(u8::from(has_blocks));
+        Ok(Self { range, least_width, has_free_guess, max_lapse, max_overdispersion })
     }
 
     /// The logarithm of the density of the parameters, except for a constant.
@@ -246,7 +246,8 @@ impl Priors {
         let span = high - low;
         let guess = if self.has_free_guess { MAX_LAPSE } else { 0.0 };
         let width = [self.least_width.ln(), (3.0 * span).ln()];
-        [[low - span / 2.0, high + span / 2.0], width, [0.0, self.max_lapse], [0.0, guess], [0.0, 1.0]]
+        let shares = [self.max_lapse, guess, self.max_overdispersion].map(|most| [0.0, most]);
+        [[low - span / 2.0, high + span / 2.0], width, shares[0], shares[1], shares[2]]
     }
 }
 
@@ -361,24 +362,10 @@ impl<'a> Posterior<'a> {
         Self { model, priors, points: points.iter().copied().filter(|point| point.total > 0).collect() }
     }
 
-    /// The bounds of the axes.
-    fn bounds(&self) -> [[f64; 2]; 5] {
-        // A single trial cannot vary more than binomially.
-        let has_eta = self.model.overdispersed && self.points.iter().any(|point| point.total > 1);
-        let mut bounds = self.priors.bounds();
-        bounds[ETA][1] *= f64::from(u8::from(has_eta));
-        bounds
-    }
-
     /// Returns the parameters at a place.
     pub fn at(&self, place: &Place) -> Estimate {
         let [threshold, ln_width, lapse, guess, overdispersion] = *place;
         Estimate { threshold, width: ln_width.exp(), lapse, guess: self.model.guess.or(guess), overdispersion }
-    }
-
-    /// F at each point.
-    fn sigmoids(&self, threshold: f64, width: f64) -> Vec<f64> {
-        self.model.sigmoids(&self.points, threshold, width).collect()
     }
 
     /// The logarithm of the density of the parameters, except for a constant.
@@ -388,7 +375,8 @@ impl<'a> Posterior<'a> {
         if prior == f64::NEG_INFINITY {
             return prior;
         }
-        let (step, sigmoids) = (step_of(at.overdispersion), self.sigmoids(at.threshold, at.width));
+        let sigmoids = self.model.sigmoids(&self.points, at.threshold, at.width);
+        let step = step_of(at.overdispersion);
         prior + ln_likelihood(&self.points, sigmoids, [at.guess, at.lapse], step) + ln_total(&self.points, step)
     }
 
@@ -400,7 +388,7 @@ impl<'a> Posterior<'a> {
     /// Searches for maxima of the density from several starts: it can have one with few lapses and another one with many,
     /// one with η = 0 and another one above, or one of a function that rises between two levels. The highest comes first.
     pub fn maxima(&self) -> Vec<(f64, Place)> {
-        let bounds = self.bounds();
+        let bounds = self.priors.bounds();
         let within = |axis: usize, share: f64| bounds[axis][0] + share * (bounds[axis][1] - bounds[axis][0]);
         let node = |i: u32, j: u32| [within(THRESHOLD, f64::from(i) / 12.0), within(WIDTH, f64::from(j) / 12.0)];
         let grid: Vec<[f64; 2]> = (1..12).flat_map(|i| (1..12).map(move |j| (i, j))).map(|(i, j)| node(i, j)).collect();
@@ -434,7 +422,7 @@ impl<'a> Posterior<'a> {
 
     /// Searches for the highest density from a start; η stays 0 if it is 0 there. Squares keep the shares positive.
     pub fn search(&self, start: &Place) -> Place {
-        let [[low, high], .., guess, _] = self.bounds();
+        let [[low, high], .., guess, _] = self.priors.bounds();
         let place = |x: &Place| from_fn(|axis| if axis < LAPSE { x[axis] } else { x[axis].powi(2) });
         let x = from_fn(|axis| if axis < LAPSE { start[axis] } else { start[axis].sqrt() });
         let step = |is_free: bool| if is_free { 0.06 } else { 0.0 };
@@ -445,7 +433,7 @@ impl<'a> Posterior<'a> {
     /// Computes the mass at each node of a grid over the region in which the density is not negligible. The search
     /// begins around the maxima, because a grid over all parameters would miss a narrow one.
     pub fn masses(&self, maxima: &[(f64, Place)]) -> Masses {
-        let all = self.bounds();
+        let all = self.priors.bounds();
         let near = maxima.iter().filter(|(ln, _)| *ln > maxima[0].0 - FAR).map(|(_, place)| self.surroundings(place));
         let hull = |[low, high]: [f64; 2], other: [f64; 2]| [low.min(other[0]), high.max(other[1])];
         let empty = all.map(|[low, high]| [high, low]);
@@ -466,7 +454,7 @@ impl<'a> Posterior<'a> {
     /// Returns, for each axis, how far from a maximum the density remains high if the other parameters do not change.
     fn surroundings(&self, center: &Place) -> [[f64; 2]; 5] {
         let least = self.ln_density(center) - 2.0;
-        let bounds = self.bounds();
+        let bounds = self.priors.bounds();
         from_fn(|axis| {
             bounds[axis].map(|end| {
                 let mut place = *center;
@@ -510,7 +498,7 @@ impl<'a> Posterior<'a> {
                 let width = ln_width.place.exp();
                 // The density is per unit of the logarithm.
                 let prior = self.priors.ln_place(threshold.place, width) + ln_width.place;
-                let sigmoids = self.sigmoids(threshold.place, width);
+                let sigmoids: Vec<f64> = self.model.sigmoids(&self.points, threshold.place, width).collect();
                 densities.extend(each.iter().map(|&(shares, step, ln)| {
                     prior + ln + ln_likelihood(&self.points, sigmoids.iter().copied(), shares, step)
                 }));

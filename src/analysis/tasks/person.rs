@@ -1,12 +1,10 @@
 //! The answers of one person in one condition. Signal detection: how well targets are told from catch trials, and how
 //! readily an observer says yes. Settings of a value: the method of adjustment, and ratings on a continuous scale.
 
-use serde::Serialize;
-
 use crate::{experiment::task::Curve, statistics::mean_and_sd};
 
 /// The answers of a person to targets and to catch trials.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Answers {
     /// Targets answered yes.
     pub hits: u32,
@@ -20,7 +18,7 @@ pub struct Answers {
 
 /// Sensitivity and criterion under the equal-variance model, with the log-linear correction, which adds ½ to each count
 /// (Hautus 1995, Behav. Res. Methods 27, 46), so that shares of 0 and 1 stay finite.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Detection {
     /// d′ = z(H) − z(F): the distance between targets and catch trials, in standard deviations of the noise.
     pub d_prime: f64,
@@ -43,7 +41,7 @@ impl Answers {
 }
 
 /// The settings of a person in a condition.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
     /// The mean.
     pub mean: f64,

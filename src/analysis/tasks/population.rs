@@ -15,7 +15,6 @@
 use std::{array::from_fn, collections::BTreeMap, f64::consts::PI};
 
 use nalgebra::{DMatrix, DVector};
-use serde::Serialize;
 
 use super::{
     model::{Estimate, Model, Point, Posterior, Priors, gap, ln_binomial},
@@ -24,7 +23,7 @@ use super::{
 use crate::statistics::{Interval, holm, mean_and_sd, t_quantile, t_two_sided};
 
 /// The thresholds of people in one condition.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Population {
     /// The function of the population: its threshold is μ, the mean threshold, and all people share its width, λ and γ.
     pub function: Estimate,
@@ -264,7 +263,7 @@ fn peak(ln_likelihood: &impl Fn(f64) -> f64, mean: f64, sd: f64, width: f64, sta
 }
 
 /// The mean of one value of each person.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mean {
     /// The mean, in the unit of the values; NaN without people.
     pub mean: f64,

@@ -11,14 +11,13 @@
 
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Binomial, Distribution as _};
-use serde::Serialize;
 
 pub use super::model::{Estimate, Guess, Model, Point};
 use super::model::{Posterior, THRESHOLD, WIDTH, gap};
 use crate::{statistics::Interval, system::checkpoint};
 
 /// A fitted psychometric function.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fit {
     /// The most probable parameters.
     pub estimate: Estimate,
@@ -36,7 +35,7 @@ pub struct Fit {
 }
 
 /// How well a psychometric function fits.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GoodnessOfFit {
     /// The deviance (Wichmann & Hill 2001, Percept. Psychophys. 63, 1293, eq. 6), of the best function with η = 0.
     pub deviance: f64,

@@ -12,7 +12,7 @@ use crate::{
     },
     experiment::{
         CATEGORIES,
-        task::{Adaptive, Common, Defaults, Method, OptionValue, Task, TaskOption, typed},
+        task::{Adaptive, Defaults, Method, OptionValue, Task, TaskOption, typed},
     },
     report::names::{self, capitalized},
     stimulus::{Parameter, Stimulus},
@@ -22,6 +22,8 @@ use crate::{
 /// Smallest size of the card of a task, and the side of its icon, points.
 const CARD: Vec2 = vec2(112.0, 104.0);
 const PICTOGRAM: f32 = 28.0;
+/// The icons of the tasks, in the order of their names.
+const ICONS: [Icon; Task::NAMES.len()] = [Icon::Rating, Icon::Choice, Icon::YesNo, Icon::Pair, Icon::Adjust];
 /// What a list shows if there is no value.
 const NONE: &str = "none";
 /// The options of a task that apply only to images that follow each other.
@@ -59,8 +61,8 @@ fn cards(form: &mut DefinitionForm, ui: &mut Ui, kind: &str) {
     let width = (room / across - gap).floor();
     let mut chosen = None;
     ui.horizontal_wrapped(|ui| {
-        for (name, about) in Task::NAMES.iter().zip(Task::ABOUT) {
-            let clicked = card(ui, width, name, about.trim(), *name == kind).clicked();
+        for ((name, about), icon) in Task::NAMES.iter().zip(Task::ABOUT).zip(ICONS) {
+            let clicked = card(ui, width, (name, icon), about.trim(), *name == kind).clicked();
             chosen = chosen.or(clicked.then_some(*name));
         }
     });
@@ -77,15 +79,7 @@ fn cards(form: &mut DefinitionForm, ui: &mut Ui, kind: &str) {
 }
 
 /// Draws the card of a task.
-fn card(ui: &mut Ui, width: f32, name: &str, about: &str, selected: bool) -> Response {
-    let icon = match name {
-        "rating" => Icon::Rating,
-        "choice" => Icon::Choice,
-        "yes-no" => Icon::YesNo,
-        "pair" => Icon::Pair,
-        "adjust" => Icon::Adjust,
-        _ => Icon::None,
-    };
+fn card(ui: &mut Ui, width: f32, (name, icon): (&str, Icon), about: &str, selected: bool) -> Response {
     let title = capitalized(name);
     let (rect, response) = ui.allocate_exact_size(vec2(width, CARD.y), Sense::click());
     let ink = theme::ink(ui);
@@ -128,8 +122,7 @@ fn method(form: &mut DefinitionForm, ui: &mut Ui) {
         form.rebuild(|draft| {
             draft.set_method(method);
             if let Some(method) = method {
-                let options = Method::options(method);
-                begin(draft, "adaptive", &[Common::OPTIONS, options].concat(), found);
+                begin(draft, "adaptive", &Adaptive::options(method), found);
             }
         });
     }
@@ -141,8 +134,7 @@ fn method(form: &mut DefinitionForm, ui: &mut Ui) {
     }
     ui::text::errors(ui, &form.own_error("adaptive"));
     let Some(method) = Method::read(&chosen, &mut Defaults) else { return };
-    let all: Vec<TaskOption> = Common::OPTIONS.iter().chain(Method::options(&chosen)).copied().collect();
-    options(form, ui, "adaptive", &all, &Adaptive { method, ..Adaptive::default() });
+    options(form, ui, "adaptive", &Adaptive::options(&chosen), &Adaptive { method, ..Adaptive::default() });
 }
 
 /// Returns the first parameter with several suggested numbers that no factor varies, with these numbers.

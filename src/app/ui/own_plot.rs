@@ -9,7 +9,7 @@ use crate::{
     app::ui::{legend, still_plot, theme},
     experiment::{
         Factor, Phase, Protocol, TaskAnswer, TrialRecord,
-        task::{Answer, Measures, significant},
+        task::{Answer, significant},
     },
     report::names,
     stimulus::ParameterValue,
@@ -42,25 +42,24 @@ impl OwnPlot {
         let last: BTreeMap<u32, &TrialRecord> =
             rows.iter().filter(|row| row.phase == Phase::Main).map(|row| (row.trial, row)).collect();
         let rows: Vec<&TrialRecord> = last.into_values().collect();
-        let texts = &protocol.instructions;
-        let plot = match protocol.task.measures() {
-            Measures::Ratings => {
-                let y = [0.0, protocol.response.highest().into()];
-                means(protocol, &rows, (&texts.mean_rating, y), |row| Some(row.rating?.0.into()))
-            }
-            Measures::Settings => {
-                let dial = protocol.task.dial()?;
-                let label = dial.parameter.as_ref().unwrap_or(&texts.mean_rating);
-                means(protocol, &rows, (label, dial.range), |row| match row.given(protocol)? {
-                    Answer::Value(value) => Some(value),
-                    Answer::Key(_) => None,
-                })
-            }
-            Measures::Comparisons => chosen(protocol, &rows),
-            Measures::Proportions | Measures::Detection if protocol.adaptive.is_some() => levels(protocol, &rows),
-            Measures::Proportions | Measures::Detection => means(protocol, &rows, (&texts.right, [0.0, 1.0]), |row| {
+        let (task, texts) = (&protocol.task, &protocol.instructions);
+        let plot = if let Some(dial) = task.dial() {
+            let label = dial.parameter.as_ref().unwrap_or(&texts.mean_rating);
+            means(protocol, &rows, (label, dial.range), |row| match row.given(protocol)? {
+                Answer::Value(value) => Some(value),
+                Answer::Key(_) => None,
+            })
+        } else if task.is_default() {
+            let y = [0.0, protocol.response.highest().into()];
+            means(protocol, &rows, (&texts.mean_rating, y), |row| Some(row.rating?.0.into()))
+        } else if protocol.pairs().is_some() {
+            chosen(protocol, &rows)
+        } else if protocol.adaptive.is_some() {
+            levels(protocol, &rows)
+        } else {
+            means(protocol, &rows, (&texts.right, [0.0, 1.0]), |row| {
                 row.answer.as_ref()?.correct.map(|right| f64::from(u8::from(right)))
-            }),
+            })
         };
         plot.filter(|plot| !plot.lines.is_empty())
     }

@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::{
     curve::Common,
     kind::{Given, Kind, Pick},
-    options::{OptionValue, kinds, options},
+    options::{OptionValue, TaskOption, kinds, options},
     quest::{Quest, QuestPlus, Second, picks},
     scaling::Ranking,
     staircase::{Staircase, Stairs},
@@ -51,6 +51,11 @@ pub struct Adaptive {
 }
 
 impl Adaptive {
+    /// Returns the options of a method, with those of every method first.
+    pub fn options(method: &str) -> Vec<TaskOption> {
+        [Common::OPTIONS, Method::options(method)].concat()
+    }
+
     /// Returns the lowest and the highest level.
     pub fn range(&self) -> [f64; 2] {
         match &self.method {

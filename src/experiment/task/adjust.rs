@@ -1,7 +1,7 @@
 //! Adjustment: participants change one parameter until a criterion holds.
 
 use super::{
-    kind::{Answer, Dial, Given, Kind, Measures, Presentation, Senses, Turn, at_level},
+    kind::{Answer, Dial, Given, Kind, Presentation, Senses, Turn, at_level},
     options::{OptionValue, options},
 };
 use crate::{
@@ -89,9 +89,5 @@ impl Kind for Adjust {
         let found = crossings.min_by(|a, b| distance(a).total_cmp(&distance(b)));
         let closest = || tried.iter().min_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).map(|(share, _)| *share);
         Answer::Value(dial.at(found.or_else(closest).unwrap_or_default()))
-    }
-
-    fn measures(&self) -> Measures {
-        Measures::Settings
     }
 }

@@ -1,7 +1,7 @@
 //! Forced choice: one of two or four stimuli is the target, and participants say which.
 
 use super::{
-    kind::{Answer, Given, Kind, Layout, Measures, Presentation, Settings, Turn},
+    kind::{Given, Kind, Layout, Presentation, Settings, Turn},
     options::{OptionValue, options},
 };
 use crate::{
@@ -81,20 +81,11 @@ impl Kind for Choice {
         turn.shows(stimuli, turn.place + 1)
     }
 
-    fn judge(&self, shown: &Presentation, answer: &Answer) -> Option<bool> {
-        let Answer::Key(key) = answer else { return None };
-        Some(shown.target == Some(u32::from(*key) + 1))
-    }
-
     fn guess(&self) -> Option<f64> {
         Some(1.0 / f64::from(self.alternatives))
     }
 
     fn feedback(&self) -> bool {
         self.feedback
-    }
-
-    fn measures(&self) -> Measures {
-        Measures::Proportions
     }
 }

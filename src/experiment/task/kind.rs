@@ -311,21 +311,6 @@ pub struct Senses<'a> {
     pub criterion: f64,
 }
 
-/// What the answers of a task are analyzed as.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Measures {
-    /// Ratings on a scale.
-    Ratings,
-    /// Values on a continuous scale, or settings of a parameter.
-    Settings,
-    /// The share of right answers by level.
-    Proportions,
-    /// Hits and false alarms.
-    Detection,
-    /// Comparisons of stimuli with each other.
-    Comparisons,
-}
-
 /// A task. Everything that is particular to it stands in its implementation.
 pub trait Kind {
     /// Returns the question and the answers, unless the definition has its own.
@@ -363,13 +348,15 @@ pub trait Kind {
     }
     /// Returns what a trial shows.
     fn present(&self, turn: &Turn<'_>) -> Presentation;
-    /// Returns whether an answer is right; `None` if there is no right or wrong.
-    fn judge(&self, _shown: &Presentation, _answer: &Answer) -> Option<bool> {
-        None
+    /// Returns whether an answer is right; `None` if there is no right or wrong, because nothing is to be guessed.
+    fn judge(&self, shown: &Presentation, answer: &Answer) -> Option<bool> {
+        let is_judged = self.catches().is_some() || self.guess().is_some_and(|guess| guess > 0.0);
+        is_judged.then(|| self.outcome(shown, answer) == (shown.target != Some(0)))
     }
-    /// Returns what an adaptive method learns from an answer: whether the target was seen or chosen.
+    /// Returns what an adaptive method learns from an answer: whether the target was seen or chosen, or the first stimulus if
+    /// there is no target.
     fn outcome(&self, shown: &Presentation, answer: &Answer) -> bool {
-        self.judge(shown, answer) == Some(true)
+        matches!(answer, Answer::Key(key) if u32::from(*key) + 1 == shown.target.unwrap_or(1))
     }
     /// Returns the probability of the outcome without seeing anything; `None` if it depends on the participant.
     fn guess(&self) -> Option<f64> {
@@ -404,6 +391,4 @@ pub trait Kind {
         let best = (0..seen.len()).fold(0, |best, place| if seen[place] > seen[best] { place } else { best });
         Answer::Key(best as u8)
     }
-    /// Returns what the answers are analyzed as.
-    fn measures(&self) -> Measures;
 }

@@ -22,7 +22,7 @@ pub use adjust::Adjust;
 pub use choice::{Choice, Shown as ChoiceShown};
 pub use curve::{Common, Curve, Easier, Psychometric};
 pub(super) use kind::at_level;
-pub use kind::{Answer, Dial, Given, Kind, Layout, Measures, Pick, Presentation, Senses, Settings, Turn, significant};
+pub use kind::{Answer, Dial, Given, Kind, Layout, Pick, Presentation, Senses, Settings, Turn, significant};
 pub use options::{Defaults, OptionReader, OptionValue, TaskOption, typed};
 pub use pair::{Pair, Pairs};
 pub use quest::{Grid, Quest, QuestPlus, Second};

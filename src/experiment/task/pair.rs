@@ -1,7 +1,7 @@
 //! Paired comparison: which of two stimuli has more of what the question asks about?
 
 use super::{
-    kind::{Answer, Given, Kind, Layout, Measures, Presentation, Settings, Turn},
+    kind::{Given, Kind, Layout, Presentation, Settings, Turn},
     options::{OptionValue, options},
 };
 use crate::{
@@ -156,16 +156,7 @@ impl Kind for Pair {
         Presentation { stimuli, ..Presentation::default() }
     }
 
-    fn outcome(&self, shown: &Presentation, answer: &Answer) -> bool {
-        let Answer::Key(key) = answer else { return false };
-        shown.target.unwrap_or(1) == u32::from(*key) + 1
-    }
-
     fn guess(&self) -> Option<f64> {
         Some(0.0)
-    }
-
-    fn measures(&self) -> Measures {
-        if self.with_reference() { Measures::Proportions } else { Measures::Comparisons }
     }
 }

@@ -199,21 +199,23 @@ pub struct Grid {
 
 impl Grid {
     fn len(&self) -> usize {
-        let all = [&self.thresholds, &self.slopes, &self.guesses, &self.lapses, &self.gradients];
-        all.iter().fold(1, |product: usize, values| product.saturating_mul(values.len()))
+        self.axes().iter().fold(1, |product: usize, values| product.saturating_mul(values.len()))
     }
 
-    /// Returns every combination, the lapse rate varying fastest, with its gradient.
+    /// Returns the values of each parameter, beginning with the one that varies fastest.
+    fn axes(&self) -> [&[f64]; 5] {
+        [&self.lapses, &self.guesses, &self.slopes, &self.thresholds, &self.gradients]
+    }
+
+    /// Returns every combination, with its gradient.
     fn cells(&self) -> impl Iterator<Item = (Psychometric, f64)> {
-        let Self { thresholds, slopes, guesses, lapses, gradients } = self;
-        gradients.iter().flat_map(move |&gradient| {
-            thresholds.iter().flat_map(move |&threshold| {
-                slopes.iter().flat_map(move |&slope| {
-                    guesses.iter().flat_map(move |&guess| {
-                        lapses.iter().map(move |&lapse| (Psychometric { threshold, slope, guess, lapse }, gradient))
-                    })
-                })
-            })
+        (0..self.len()).map(|mut rest| {
+            let [lapse, guess, slope, threshold, gradient] = self.axes().map(|values| {
+                let place = rest % values.len();
+                rest /= values.len();
+                values[place]
+            });
+            (Psychometric { threshold, slope, guess, lapse }, gradient)
         })
     }
 }

@@ -1,7 +1,7 @@
 //! A rating of one stimulus: the categories of the definition, or a continuous scale.
 
 use super::{
-    kind::{Answer, Dial, Given, Kind, Measures, Presentation, Senses, Turn},
+    kind::{Answer, Dial, Given, Kind, Presentation, Senses, Turn},
     options::{OptionValue, options},
 };
 use crate::{
@@ -67,9 +67,5 @@ impl Kind for Rating {
         let Senses { noisy, criterion, .. } = senses;
         let seen = noisy(&shown.stimuli[0]) - criterion;
         Answer::Value((RANGE[1] / (1.0 + (-seen).exp())).round())
-    }
-
-    fn measures(&self) -> Measures {
-        if self.scale == Scale::Slider { Measures::Settings } else { Measures::Ratings }
     }
 }

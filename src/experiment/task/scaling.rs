@@ -2,7 +2,6 @@
 //! items to compare next, so that the answer is expected to tell most about all of them.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
-use serde::Serialize;
 
 use super::curve::{Curve, entropy};
 
@@ -10,7 +9,7 @@ use super::curve::{Curve, entropy};
 pub type Wins = DMatrix<f64>;
 
 /// How the difference of two scale values becomes the probability of a choice.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scaling {
     /// Φ(s_i − s_j) (Thurstone 1927, Case V).
     Thurstone,

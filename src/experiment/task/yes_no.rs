@@ -1,7 +1,7 @@
 //! Yes or no: participants say whether they see the target; catch trials show the reference.
 
 use super::{
-    kind::{Answer, Given, Kind, Measures, Presentation, Senses, Settings, Turn},
+    kind::{Answer, Given, Kind, Presentation, Senses, Settings, Turn},
     options::{OptionValue, options},
 };
 use crate::experiment::{faults::DefinitionErrors, scale::ResponseScale};
@@ -52,11 +52,6 @@ impl Kind for YesNo {
         turn.shows(vec![if turn.place == 0 { reference } else { target }], turn.place)
     }
 
-    fn judge(&self, shown: &Presentation, answer: &Answer) -> Option<bool> {
-        let Answer::Key(key) = answer else { return None };
-        Some(shown.target == Some((*key).into()))
-    }
-
     fn outcome(&self, _: &Presentation, answer: &Answer) -> bool {
         *answer == Answer::Key(1)
     }
@@ -76,9 +71,5 @@ impl Kind for YesNo {
     fn answer(&self, shown: &Presentation, senses: Senses<'_>) -> Answer {
         let Senses { noisy, criterion, .. } = senses;
         Answer::Key(u8::from(noisy(&shown.stimuli[0]) > criterion))
-    }
-
-    fn measures(&self) -> Measures {
-        Measures::Detection
     }
 }

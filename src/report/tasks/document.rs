@@ -3,7 +3,7 @@
 use super::{
     results::{PersonFunction, TaskResults},
     sections,
-    study::{Asked, Estimand, Levels, Measured, TaskStudy, scaled},
+    study::{Asked, Estimand, Levels, Measure, TaskStudy, scaled},
 };
 use crate::{
     analysis::tasks::{
@@ -65,15 +65,15 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
 /// Says what the mean of each condition is. Values of a scale mean something only beside each other.
 fn means(study: &TaskStudy, results: &TaskResults) -> Vec<String> {
     let estimand = study.asked.estimand();
-    let guess = match (&study.asked.measured, &study.asked.protocol) {
-        (Measured::Proportions, Some(protocol)) => format!("; guessing gives {}", unit(protocol.task.guess())),
+    let guess = match (&study.asked.measure, &study.asked.protocol) {
+        (Measure::Proportions, Some(protocol)) => format!("; guessing gives {}", unit(protocol.task.guess())),
         _ => String::new(),
     };
     let kind = if estimand.log { "geometric mean " } else { "mean " };
     let of_condition = |condition: usize| {
         let (at, found) = (study.at(condition), results.means.iter().find(|(of, _)| *of == condition));
         let Some((_, Mean { mean, interval, people })) = found else {
-            return matches!(study.asked.measured, Measured::Sensitivity)
+            return matches!(study.asked.measure, Measure::Sensitivity)
                 .then(|| format!("There is no d’{at}, because no participant had both targets and catch trials."));
         };
         let (kind, over) = match *people {
@@ -88,7 +88,8 @@ fn means(study: &TaskStudy, results: &TaskResults) -> Vec<String> {
     (0..conditions).filter_map(of_condition).collect()
 }
 
-/// Says which thresholds were not measured and, without means, what the threshold of each participant is.
+/// Says which thresholds were not measured, which functions mean nothing and, without means, what the threshold of each participant
+/// is.
 fn not_measured(section: &mut Section, study: &TaskStudy, results: &TaskResults, levels: &Levels) {
     let Levels { common, range: [low, high], .. } = levels;
     let name = study.asked.factor(&common.parameter);
@@ -120,7 +121,15 @@ fn not_measured(section: &mut Section, study: &TaskStudy, results: &TaskResults,
         };
         section.list(results.functions.iter().filter_map(of_person).collect());
     }
-    reversed(section, study, results);
+    let odd = results.functions.iter().filter(|function| function.is_reversed);
+    let odd: Vec<String> = odd.map(|function| sections::of(study, function)).collect();
+    if !odd.is_empty() {
+        section.warning(format!(
+            "According to the answers, the other end of the levels is easier, so these functions mean nothing and are left out (easier = \
+             \"low\" in a definition, or --easier low, says that low levels are easier): {}.",
+            short_list(&odd, 12)
+        ));
+    }
 }
 
 /// The most differences that each have a sentence.
@@ -173,29 +182,14 @@ fn data(study: &TaskStudy, figures: &[Figure]) -> Section {
     section
 }
 
-/// Says which functions mean nothing.
-fn reversed(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
-    let odd = results.functions.iter().filter(|function| function.is_reversed);
-    let odd: Vec<String> = odd.map(|function| sections::of(study, function)).collect();
-    if !odd.is_empty() {
-        section.warning(format!(
-            "According to the answers, the other end of the levels is easier, so these functions mean nothing and are left out (easier = \
-             \"low\" in a definition, or --easier low, says that low levels are easier): {}.",
-            short_list(&odd, 12)
-        ));
-    }
-}
-
 fn methods(study: &TaskStudy, results: &TaskResults) -> Section {
     let mut section = Section::new("methods", "Methods");
-    let how = match (&study.asked.measured, study.asked.has_catches()) {
-        (Measured::Thresholds(_), true) => {
+    let how = match (&study.asked.measure, study.asked.has_catches()) {
+        (Measure::Thresholds(_), true) => {
             " An answer counts as seen if it was yes; catch trials show no target, so F is 0 there, and their answers determine γ."
         }
         (_, true) => " An answer counts as seen if it was yes; catch trials show no target.",
-        (Measured::Thresholds(_) | Measured::Proportions, false) => {
-            " An answer counts as seen if the target was chosen."
-        }
+        (Measure::Thresholds(_) | Measure::Proportions, false) => " An answer counts as seen if the target was chosen.",
         _ => "",
     };
     if study.asked.protocol.is_some() {

@@ -11,5 +11,5 @@ pub use document::document;
 pub use figures::figures;
 pub use results::{Comparisons, PersonFunction, TaskResults};
 pub(crate) use study::answers;
-pub use study::{Asked, Detected, Estimand, Given, Levels, Measured, OfPerson, TaskStudy};
+pub use study::{Asked, Detected, Estimand, Given, Levels, Measure, OfPerson, TaskStudy};
 pub use tables::tables;

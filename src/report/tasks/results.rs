@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
 use rayon::prelude::*;
 
-use super::study::{Given, Levels, Measured, OfPerson, TaskStudy};
+use super::study::{Given, Levels, Measure, OfPerson, TaskStudy};
 use crate::{
     analysis::{
         comparisons::{Drawn, Scale, Scaling, Triads, Wins},
@@ -146,7 +146,7 @@ impl TaskResults {
         let mut results = Self { comparisons: comparisons(study, draws, seed), ..Self::default() };
         if let Some(Levels { model, .. }) = study.asked.levels() {
             results.functions = functions(study, model);
-            results.measure(populations(study, &results.functions, model));
+            results.measure(study.asked.conditions.len(), model);
         }
         results.own = results.of_each(study);
         let ends = study.asked.estimand().ends;
@@ -159,8 +159,14 @@ impl TaskResults {
         results
     }
 
-    /// Keeps the populations whose thresholds were measured.
-    fn measure(&mut self, found: Vec<(usize, Population)>) {
+    /// Fits the people of each condition in which several have a function that means something, and keeps the populations whose
+    /// thresholds were measured. Why others have none, their functions say.
+    fn measure(&mut self, conditions: usize, model: &Model) {
+        let fit = |condition: usize| {
+            let people = sound(&self.functions, condition).map(|function| function.points.clone());
+            Some((condition, population::fit(&people.collect::<Vec<_>>(), model).ok()?))
+        };
+        let found: Vec<_> = (0..conditions).into_par_iter().filter_map(fit).collect();
         for (condition, population) in found {
             let own = || sound(&self.functions, condition);
             let are_beyond = 2 * own().filter(|function| function.is_beyond()).count() >= own().count();
@@ -176,15 +182,15 @@ impl TaskResults {
     fn of_each(&self, study: &TaskStudy) -> Vec<OfPerson<f64>> {
         let with = |person, condition, found| OfPerson { person, condition, found };
         let threshold = |own: &PersonFunction| Some(with(own.person, own.condition, own.estimated()?.threshold));
-        let mut all: Vec<OfPerson<f64>> = match study.asked.measured {
-            Measured::Thresholds(_) => self.functions.iter().filter_map(threshold).collect(),
-            Measured::Proportions => study.each(|given| Some(proportion(&given.seen(true)))),
-            Measured::Sensitivity => {
+        let mut all: Vec<OfPerson<f64>> = match study.asked.measure {
+            Measure::Thresholds(_) => self.functions.iter().filter_map(threshold).collect(),
+            Measure::Proportions => study.each(|given| Some(proportion(&given.seen(true)))),
+            Measure::Sensitivity => {
                 let own = study.detection().into_iter();
                 own.filter_map(|own| Some(with(own.person, own.condition, own.found.1?.d_prime))).collect()
             }
-            Measured::Settings(_) => study.each(|given| Some(Settings::of(&given.values)?.mean)),
-            Measured::Scale => {
+            Measure::Settings(_) => study.each(|given| Some(Settings::of(&given.values)?.mean)),
+            Measure::Scale => {
                 let people = self.comparisons.iter().flat_map(|found| found.own.iter().enumerate());
                 let scales = people.filter_map(|(person, scales)| Some((person, &scales.as_ref()?[0].values)));
                 let of_person = |(person, values): (usize, &Vec<f64>)| {
@@ -223,7 +229,13 @@ impl TaskResults {
                 .map_or_else(Vec::new, |drawn| Difference::of(pairs.map(|[i, j]| ([i, j], drawn.mean(i, Some(j))))));
         }
         if !self.functions.is_empty() {
-            return Difference::between(&contributions(&self.populations, &self.functions));
+            // Without an interval, contributions say nothing about how people differ.
+            let known = self.populations.iter().filter(|(_, population)| population.interval.is_some());
+            let own = |(condition, population): &(usize, Population)| {
+                let people = sound(&self.functions, *condition).zip(&population.contributions);
+                (*condition, people.map(|(function, own)| (function.person, *own)).collect())
+            };
+            return Difference::between(&known.map(own).collect::<Vec<_>>());
         }
         let mut values: BTreeMap<usize, BTreeMap<usize, f64>> = BTreeMap::new();
         for own in &self.own {
@@ -281,17 +293,6 @@ fn sound(functions: &[PersonFunction], condition: usize) -> impl Iterator<Item =
     functions.iter().filter(move |function| function.condition == condition && !function.is_reversed)
 }
 
-/// Fits the people of each condition in which several have a function that means something. Why others have none, their
-/// functions say.
-fn populations(study: &TaskStudy, functions: &[PersonFunction], model: &Model) -> Vec<(usize, Population)> {
-    let conditions = 0..study.asked.conditions.len();
-    let fit = |condition: usize| {
-        let people: Vec<Vec<Point>> = sound(functions, condition).map(|function| function.points.clone()).collect();
-        Some((condition, population::fit(&people, model).ok()?))
-    };
-    conditions.into_par_iter().filter_map(fit).collect()
-}
-
 /// Standard errors beyond which answers are not due to chance.
 const CLEAR: f64 = 3.0;
 
@@ -313,16 +314,4 @@ fn is_reversed(points: &[Point], model: &Model) -> bool {
 fn is_beyond([low, high]: [f64; 2], value: f64) -> bool {
     let near = 1e-6 * (high - low);
     value <= low + near || value >= high - near
-}
-
-/// Returns the contributions in each condition that has an interval; without one, they say nothing about how people differ.
-fn contributions(
-    populations: &[(usize, Population)],
-    functions: &[PersonFunction],
-) -> Vec<(usize, BTreeMap<usize, f64>)> {
-    let own = |(condition, population): &(usize, Population)| {
-        let people = sound(functions, *condition).zip(&population.contributions);
-        (*condition, people.map(|(function, own)| (function.person, *own)).collect())
-    };
-    populations.iter().filter(|(_, population)| population.interval.is_some()).map(own).collect()
 }

@@ -2,7 +2,7 @@
 
 use super::{
     results::{Comparisons, PersonFunction, TaskResults, proportion},
-    study::{Levels, Measured, OfPerson, TaskStudy, scaled},
+    study::{Levels, Measure, OfPerson, TaskStudy, scaled},
 };
 use crate::{
     analysis::{comparisons::Scale, tasks::psychometric::Fit},
@@ -57,12 +57,12 @@ pub(super) fn order(study: &TaskStudy, found: &Comparisons) -> Vec<String> {
 
 /// Returns the sections about what was measured.
 pub(super) fn of_results(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> Vec<Section> {
-    let measured = match &study.asked.measured {
-        Measured::Thresholds(Levels { common, .. }) => Some(thresholds(study, results, figures, common)),
-        Measured::Proportions => Some(shares(study)),
-        Measured::Sensitivity => None,
-        Measured::Settings(dial) => Some(settings(study, dial)),
-        Measured::Scale => results.comparisons.as_ref().map(|found| comparisons(study, found, figures)),
+    let measured = match &study.asked.measure {
+        Measure::Thresholds(Levels { common, .. }) => Some(thresholds(study, results, figures, common)),
+        Measure::Proportions => Some(shares(study)),
+        Measure::Sensitivity => None,
+        Measure::Settings(dial) => Some(settings(study, dial)),
+        Measure::Scale => results.comparisons.as_ref().map(|found| comparisons(study, found, figures)),
     };
     measured.into_iter().chain(study.asked.has_catches().then(|| detection(study))).collect()
 }
@@ -70,15 +70,6 @@ pub(super) fn of_results(study: &TaskStudy, results: &TaskResults, figures: &[Fi
 fn thresholds(study: &TaskStudy, results: &TaskResults, figures: &[Figure], common: &Common) -> Section {
     let mut section = Section::new("thresholds", "Thresholds");
     section.figures(figures, &["psychometric", "thresholds"]);
-    functions(&mut section, study, results, common);
-    doubts(&mut section, study, results);
-    let failed = |own: &PersonFunction| Some(format!("{}: {}", of(study, own), own.estimate.as_ref().err()?));
-    section.list(results.functions.iter().filter_map(failed).collect());
-    section
-}
-
-/// Adds the psychometric function of each participant.
-fn functions(section: &mut Section, study: &TaskStudy, results: &TaskResults, common: &Common) {
     let level = |own: &PersonFunction| scaled(common.log, own.described().map(|fit| fit.threshold));
     let slopes = |own: &PersonFunction| own.described().and_then(Fit::determined_slopes);
     let slope = |own: &PersonFunction| scaled(false, slopes(own));
@@ -95,16 +86,7 @@ fn functions(section: &mut Section, study: &TaskStudy, results: &TaskResults, co
         .number("Guess rate", |own| unit(own.described().map(|fit| fit.estimate.guess)))
         .number("Lapse rate", |own| unit(own.described().map(|fit| fit.estimate.lapse)))
         .number("p of the fit", |own| probability(own.goodness.map(|goodness| goodness.p)))
-        .add_to(section);
-}
-
-/// Names a participant, and the condition if there are several.
-pub(super) fn of(study: &TaskStudy, function: &PersonFunction) -> String {
-    format!("{}{}", study.people[function.person], study.at(function.condition))
-}
-
-/// Says what the answers do not determine.
-fn doubts(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
+        .add_to(&mut section);
     for (condition, _) in results.populations.iter().filter(|(_, population)| population.interval.is_none()) {
         section.warning(format!(
             "The mean threshold{} has no interval: the functions of all participants rise between the same two levels, or their thresholds \
@@ -117,6 +99,14 @@ fn doubts(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
          do not determine it. So is a slope if the function rises within twice the distance of two levels. Where an interval reaches beyond the levels, only the prior limits it. If p of the fit is small, answers vary \
          more than a psychometric function allows.",
     );
+    let failed = |own: &PersonFunction| Some(format!("{}: {}", of(study, own), own.estimate.as_ref().err()?));
+    section.list(results.functions.iter().filter_map(failed).collect());
+    section
+}
+
+/// Names a participant, and the condition if there are several.
+pub(super) fn of(study: &TaskStudy, function: &PersonFunction) -> String {
+    format!("{}{}", study.people[function.person], study.at(function.condition))
 }
 
 /// Begins a table of the participants and the conditions.

@@ -13,7 +13,7 @@ use crate::{
     },
     experiment::{
         Factor, Phase, Protocol, Replayed,
-        task::{Adaptive, Answer, Common, Dial, Measures, Presentation, Second, Task},
+        task::{Adaptive, Answer, Common, Dial, Presentation, Second, Task},
     },
     report::{
         document::{Shown, fixed, significant, unit},
@@ -38,7 +38,7 @@ pub struct Asked {
     /// The title of the study, or the name of its experiment or file.
     pub title: String,
     /// What is measured in each condition.
-    pub measured: Measured,
+    pub measure: Measure,
     /// The factors; the last one is the second parameter of an adaptive method, if it has one.
     pub factors: Vec<Factor>,
     /// Each condition's level of each factor.
@@ -49,7 +49,7 @@ pub struct Asked {
 
 /// What is measured for each person in each condition.
 #[derive(Clone, Debug, Default)]
-pub enum Measured {
+pub enum Measure {
     /// The threshold of a psychometric function.
     Thresholds(Levels),
     /// The proportion of correct answers.
@@ -124,7 +124,7 @@ impl Asked {
 
     /// Returns the levels at which psychometric functions were measured, if they were.
     pub fn levels(&self) -> Option<&Levels> {
-        if let Measured::Thresholds(levels) = &self.measured { Some(levels) } else { None }
+        if let Measure::Thresholds(levels) = &self.measure { Some(levels) } else { None }
     }
 
     /// Returns whether some trials showed no target.
@@ -136,7 +136,7 @@ impl Asked {
     /// parameter. `planned` is the condition in the schedule.
     pub fn places(&self, planned: usize, shown: &Presentation) -> Option<Vec<usize>> {
         let protocol = self.protocol.as_ref()?;
-        if let Measured::Scale = self.measured {
+        if let Measure::Scale = self.measure {
             let conditions = protocol.conditions();
             let of = |stimulus: &Stimulus| conditions.iter().position(|condition| condition.stimulus == *stimulus);
             return shown.stimuli.iter().map(of).collect();
@@ -162,21 +162,21 @@ impl Asked {
             format: Some(format),
         };
         let hundredths = |value| fixed(value, 2);
-        match &self.measured {
-            Measured::Thresholds(Levels { common: Common { parameter, log, .. }, .. }) => {
+        match &self.measure {
+            Measure::Thresholds(Levels { common: Common { parameter, log, .. }, .. }) => {
                 let unit = "units of the level";
                 Estimand { name: "threshold", of: of(parameter), unit, log: *log, ends: None, format: None }
             }
-            Measured::Settings(Dial { parameter, log, range, .. }) => {
+            Measure::Settings(Dial { parameter, log, range, .. }) => {
                 let (name, of) = parameter.as_ref().map_or(("rating", String::new()), |name| ("setting", of(name)));
                 let ends = Some(range.map(|end| if *log { end.log10() } else { end }));
                 Estimand { name, of, unit: "units of the scale", log: *log, ends, format: None }
             }
-            Measured::Proportions => {
+            Measure::Proportions => {
                 Estimand { ends: Some([0.0, 1.0]), ..plain("proportion of correct answers", "proportions", unit) }
             }
-            Measured::Sensitivity => plain("d’", "d’", hundredths),
-            Measured::Scale => plain("scale value", "JND", hundredths),
+            Measure::Sensitivity => plain("d’", "d’", hundredths),
+            Measure::Scale => plain("scale value", "JND", hundredths),
         }
     }
 
@@ -210,12 +210,12 @@ impl From<&Protocol> for Asked {
             range: adaptive.range(),
             model,
         });
-        let measured = match (levels, protocol.task.dial(), protocol.task.measures()) {
-            (Some(levels), ..) => Measured::Thresholds(levels),
-            (_, Some(dial), _) => Measured::Settings(dial),
-            (.., Measures::Proportions) => Measured::Proportions,
-            (.., Measures::Detection) => Measured::Sensitivity,
-            _ => Measured::Scale,
+        let measure = match (levels, protocol.task.dial()) {
+            (Some(levels), _) => Measure::Thresholds(levels),
+            (None, Some(dial)) => Measure::Settings(dial),
+            _ if protocol.pairs().is_some() => Measure::Scale,
+            _ if protocol.task.catches().is_some() => Measure::Sensitivity,
+            _ => Measure::Proportions,
         };
         let mut factors = protocol.factors.clone();
         let mut conditions: Vec<Vec<usize>> =
@@ -228,7 +228,7 @@ impl From<&Protocol> for Asked {
             conditions = conditions.iter().flat_map(with).collect();
             factors.push(Factor { name: second.parameter.clone(), levels });
         }
-        Self { title: title.clone(), measured, factors, conditions, protocol: Some(protocol.clone()) }
+        Self { title: title.clone(), measure, factors, conditions, protocol: Some(protocol.clone()) }
     }
 }
 
@@ -374,7 +374,7 @@ impl TaskStudy {
         };
         let asked = Asked {
             title: path.file_stem().unwrap_or_default().display().to_string(),
-            measured: Measured::Thresholds(levels),
+            measure: Measure::Thresholds(levels),
             factors: names.into_iter().zip(found).map(factor).collect(),
             conditions: given.keys().cloned().collect(),
             protocol: None,
@@ -452,15 +452,15 @@ impl TaskStudy {
             return Some(());
         }
         let given = self.given.entry((places[0], person)).or_default();
-        match (&self.asked.measured, answer) {
-            (Measured::Settings(dial), Answer::Value(value)) => {
+        match (&self.asked.measure, answer) {
+            (Measure::Settings(dial), Answer::Value(value)) => {
                 let value = if dial.log { value.log10() } else { *value };
                 given.values.push((value, shown.start.map(|start| dial.share(start) > 0.5)));
             }
             (measured, Answer::Key(_)) => {
                 let x = match measured {
                     _ if shown.target == Some(0) => f64::NEG_INFINITY,
-                    Measured::Thresholds(levels) => levels.common.scaled(shown.level?),
+                    Measure::Thresholds(levels) => levels.common.scaled(shown.level?),
                     _ => 0.0,
                 };
                 Point::add(&mut given.points, x, seen.into(), 1);

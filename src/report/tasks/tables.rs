@@ -2,7 +2,7 @@
 
 use super::{
     results::{Comparisons, PersonFunction, TaskResults},
-    study::{Levels, Measured, OfPerson, TaskStudy},
+    study::{Levels, Measure, OfPerson, TaskStudy},
 };
 use crate::{
     analysis::{
@@ -16,16 +16,16 @@ use crate::{
 
 /// Returns the tables by the names of their files.
 pub fn tables(study: &TaskStudy, results: &TaskResults) -> Vec<(&'static str, Table)> {
-    let mut all = match &study.asked.measured {
-        Measured::Thresholds(Levels { common, .. }) => vec![
+    let mut all = match &study.asked.measure {
+        Measure::Thresholds(Levels { common, .. }) => vec![
             ("answers", answers(study, results, common)),
             ("thresholds", thresholds(study, results, common)),
             ("population", population(study, results, common)),
         ],
-        Measured::Proportions => vec![("shares", shares(study))],
-        Measured::Sensitivity => Vec::new(),
-        Measured::Settings(dial) => vec![("settings", settings(study, dial))],
-        Measured::Scale => {
+        Measure::Proportions => vec![("shares", shares(study))],
+        Measure::Sensitivity => Vec::new(),
+        Measure::Settings(dial) => vec![("settings", settings(study, dial))],
+        Measure::Scale => {
             let tables = |found| [("comparisons", comparisons(study, found)), ("scale", scale(study, found))];
             results.comparisons.iter().flat_map(tables).collect()
         }
