@@ -32,5 +32,7 @@ pub use drawn::Drawn;
 pub use export::Export;
 pub use image::{Encoded, Encoding, Image, Luminances, outdated, today};
 pub use repair::Repair;
-pub use request::{FittedPath, Found, NewFolder, OutPath, Request, RequestError, Watcher, from_names, told, words};
+pub use request::{
+    FittedPath, Found, NewFolder, OutPath, Request, RequestError, Watcher, command, from_names, told, words,
+};
 pub use study::Study;

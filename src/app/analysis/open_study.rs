@@ -34,8 +34,6 @@ pub struct OpenStudy {
     state: State,
     /// What needs no model, until everything is there.
     draft: Option<Outcome>,
-    /// The progress of the running analysis.
-    simulated: Arc<Steps>,
     /// The last finished analysis.
     shown: Option<Outcome>,
 }
@@ -48,6 +46,7 @@ enum State {
     Running {
         is_draft: bool,
         task: BackgroundTask<Option<Outcome>>,
+        simulated: Arc<Steps>,
     },
     /// The user stopped it.
     Stopped,
@@ -74,7 +73,6 @@ impl OpenStudy {
             last: None,
             state: State::Done,
             draft: None,
-            simulated: Arc::default(),
             shown: None,
             study: Arc::new(study),
         }
@@ -95,7 +93,7 @@ impl OpenStudy {
 
     /// Takes the results of computations that have finished.
     fn take_outcome(&mut self, ctx: &egui::Context) {
-        if let State::Running { is_draft, task } = &self.state
+        if let State::Running { is_draft, task, .. } = &self.state
             && let (is_draft, Some(result)) = (*is_draft, task.poll())
         {
             self.state = State::Done;
@@ -136,10 +134,10 @@ impl OpenStudy {
     /// threads.
     fn start(&mut self, ctx: &egui::Context, is_draft: bool) {
         let Some(request) = self.last.clone() else { return };
-        self.simulated = Arc::default();
-        let (study, simulated) = (self.study.clone(), self.simulated.clone());
-        let compute = move || Outcome::new(&study, &request, is_draft, &simulated);
-        self.state = State::Running { is_draft, task: BackgroundTask::stoppable(ctx, compute) };
+        let (study, simulated) = (self.study.clone(), Arc::<Steps>::default());
+        let steps = simulated.clone();
+        let compute = move || Outcome::new(&study, &request, is_draft, &steps);
+        self.state = State::Running { is_draft, task: BackgroundTask::stoppable(ctx, compute), simulated };
     }
 
     /// Returns whether the results are of what was selected before.
@@ -180,13 +178,14 @@ impl Opened for OpenStudy {
         let ui = &mut ui.new_child(egui::UiBuilder::new().max_rect(rect).layout(right));
         ui.set_clip_rect(rect);
         // How far it is has the right end of the line; the rest may be cut.
-        match self.state {
+        match &self.state {
             State::Done => {}
-            State::Running { is_draft, .. } => {
-                if ui.add_enabled(!is_draft, egui::Button::new("Stop").small()).clicked() {
+            State::Running { is_draft, simulated, .. } => {
+                let stop = ui.add_enabled(!is_draft, egui::Button::new("Stop").small());
+                simulated.show(ui, "Analyzing", "simulated studies");
+                if stop.clicked() {
                     self.state = State::Stopped;
                 }
-                self.simulated.show(ui, "Analyzing", "simulated studies");
             }
             State::Stopped => {
                 if ui.small_button("Continue").clicked() {
