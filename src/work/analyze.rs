@@ -290,8 +290,12 @@ impl Analyze {
         }
     }
 
-    /// Checks that the columns with a role are there and suit it, and that each trial has a place of its own.
-    fn check(&self, study: &Study) -> Result<(), RequestError> {
+    /// Checks that the columns with a role are there and suit it, that no term determines another one, and that each trial has
+    /// a place of its own.
+    ///
+    /// # Errors
+    /// Says which field is wrong.
+    pub fn check(&self, study: &Study) -> Result<(), RequestError> {
         let counts = &study.measured.counts;
         if let Some((option, name)) = self.roles().find(|(_, name)| counts.factor(name).is_none()) {
             let names: Vec<&str> = counts.factors.iter().map(|factor| factor.name.as_str()).collect();

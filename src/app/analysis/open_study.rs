@@ -20,7 +20,7 @@ use crate::{
         FileError,
         ratings::{Reason, SessionRead},
     },
-    work::{Analyze, Study},
+    work::{Analyze, RequestError, Study},
 };
 
 /// The data and its analysis.
@@ -45,13 +45,15 @@ enum State {
     /// everything. The result is `None` if nothing is selected.
     Running {
         is_draft: bool,
-        task: BackgroundTask<Option<Outcome>>,
+        task: BackgroundTask<Option<Result<Outcome, RequestError>>>,
         simulated: Arc<Steps>,
     },
     /// The user stopped it.
     Stopped,
     /// Nothing is selected.
     Empty,
+    /// The model that was asked for is not possible with these data, and why.
+    Refused(String),
 }
 
 /// The sections that need no model, so that they are shown at once. Numbers in them are final.
@@ -98,7 +100,7 @@ impl OpenStudy {
         {
             self.state = State::Done;
             match result {
-                Ok(Some(outcome)) => {
+                Ok(Some(Ok(outcome))) => {
                     // The user may have sorted the tables of both.
                     let earlier = [&self.shown, &self.draft].into_iter().flatten();
                     let view = earlier.fold(outcome.view, |view, earlier| view.after(&earlier.view));
@@ -110,6 +112,7 @@ impl OpenStudy {
                         (self.shown, self.draft) = (made, None);
                     }
                 }
+                Ok(Some(Err(error))) => self.state = State::Refused(error.plain().to_owned()),
                 Ok(None) => self.state = State::Empty,
                 Err(Lost) => {
                     self.state = State::Stopped;
@@ -197,6 +200,9 @@ impl Opened for OpenStudy {
                 ui.label(secondary("No data are selected.").color(theme::ink(ui).bad))
                     .on_hover_text("Select at least one participant and at least one level of every factor.");
             }
+            State::Refused(why) => {
+                ui.label(secondary("These terms are refused.").color(theme::ink(ui).bad)).on_hover_text(why);
+            }
         }
         let is_drafted = self.is_drafted(section);
         if let Some(outcome) = if is_drafted { &self.draft } else { &self.shown } {
@@ -253,24 +259,32 @@ impl Opened for OpenStudy {
             self.filters = Filters::default();
         }
         ui.separator();
-        self.model.show(ui, counts, &self.filters);
+        let refused = if let State::Refused(why) = &self.state { why } else { "" };
+        self.model.show(ui, counts, &self.filters, refused);
         (asked != files.asked).then_some(asked)
     }
 
     fn exported(&self) -> (Option<&Analyze>, Option<&Arc<Analyzed>>) {
         // Only displayed results can be exported, not results that are still being computed.
         let outcome = self.shown.as_ref().filter(|_| !self.is_stale());
-        let request = self.last.as_ref().filter(|_| !matches!(self.state, State::Empty));
+        let request = self.last.as_ref().filter(|_| !matches!(self.state, State::Empty | State::Refused(_)));
         (request, outcome.map(|outcome| &outcome.analyzed))
     }
 }
 
 impl Outcome {
     /// Analyzes the selected data; `None` if nothing is selected.
-    fn new(study: &Study, request: &Analyze, is_draft: bool, simulated: &Steps) -> Option<Self> {
+    ///
+    /// # Errors
+    /// The requested model is impossible.
+    fn new(study: &Study, request: &Analyze, is_draft: bool, simulated: &Steps) -> Option<Result<Self, RequestError>> {
         let measured = study.measured.narrowed(&Exclusions::from(&request.ratings.how)).ok()?;
         if measured.counts.total() == 0 {
             return None;
+        }
+        let study = Study { source: study.source.clone(), measured };
+        if let Err(error) = request.check(&study) {
+            return Some(Err(error));
         }
         let mut options = request.options(&study.source);
         if is_draft {
@@ -278,15 +292,15 @@ impl Outcome {
             (options.max_coefficients, options.unchecked) = (Some(0), true);
         }
         let progress = |done: usize, all: usize| simulated.set(done as u64, all as u64);
-        let results = analyze_with(measured, &options, &progress);
+        let results = analyze_with(study.measured, &options, &progress);
         let sample = format!(
             "{} by {}{}.",
             count(results.measured.counts.total(), "rating"),
             count(results.people() as u64, "participant"),
             if is_filtered(request) { ", filtered" } else { "" }
         );
-        let analyzed = Analyzed::Ratings(study.source.clone().into(), results.into());
+        let analyzed = Analyzed::Ratings(study.source.into(), results.into());
         let view = DocumentView::new(analyzed.document(&analyzed.figures(), None));
-        Some(Self { analyzed: analyzed.into(), sample, view })
+        Some(Ok(Self { analyzed: analyzed.into(), sample, view }))
     }
 }

@@ -125,9 +125,9 @@ pub struct ModelControls {
 }
 
 impl ModelControls {
-    /// Draws the controls.
-    pub fn show(&mut self, ui: &mut egui::Ui, counts: &Counts, filters: &Filters) {
-        self.terms_field(ui, counts, filters);
+    /// Draws the controls; `refused` says why the terms in use are not possible, if so.
+    pub fn show(&mut self, ui: &mut egui::Ui, counts: &Counts, filters: &Filters, refused: &str) {
+        self.terms_field(ui, counts, filters, refused);
         let people = filters.people(counts);
         let request = &mut self.request;
         let field = |label| Field::new(label).column(LABELS).width(130.0);
@@ -154,11 +154,11 @@ impl ModelControls {
         request.items.take_if(|items| !random || counts.factor(items).is_none());
     }
 
-    fn terms_field(&mut self, ui: &mut egui::Ui, counts: &Counts, filters: &Filters) {
+    fn terms_field(&mut self, ui: &mut egui::Ui, counts: &Counts, filters: &Filters, refused: &str) {
         let varied = counts.factors.iter().filter(|factor| factor.levels.len() > 1);
         let hint = varied.map(|factor| factor.name.as_str()).collect::<Vec<_>>().join(",");
         let parsed = self.parsed(counts, filters);
-        let error = parsed.as_ref().err().map_or("", String::as_str);
+        let error = parsed.as_ref().err().map_or(refused, String::as_str);
         let is_used = parsed.as_ref().is_ok_and(|terms| *terms == self.request.model.terms);
         let note = if is_used { "" } else { "Press Enter to use these terms." };
         let field = Field::new("Terms").hint(&hint).width(ui.available_width()).slot().error(error).note(note, false);
