@@ -10,7 +10,11 @@ use super::{
     query::{Filters, ModelControls},
 };
 use crate::{
-    analysis::{analyze_with, counts::Exclusions},
+    analysis::{
+        ModelError::{InfiniteDepth, NotANumber, UnknownFactor},
+        analyze_with,
+        counts::Exclusions,
+    },
     app::ui::{
         complain, parameter, secondary, theme,
         work::{BackgroundTask, Lost, Steps},
@@ -201,7 +205,7 @@ impl Opened for OpenStudy {
                     .on_hover_text("Select at least one participant and at least one level of every factor.");
             }
             State::Refused(why) => {
-                ui.label(secondary("These terms are refused.").color(theme::ink(ui).bad)).on_hover_text(why);
+                ui.label(secondary("This model is not possible.").color(theme::ink(ui).bad)).on_hover_text(why);
             }
         }
         let is_drafted = self.is_drafted(section);
@@ -293,6 +297,11 @@ impl Outcome {
         }
         let progress = |done: usize, all: usize| simulated.set(done as u64, all as u64);
         let results = analyze_with(study.measured, &options, &progress);
+        if let Some(error @ (UnknownFactor { .. } | NotANumber { .. } | InfiniteDepth { .. })) =
+            results.model.as_ref().err()
+        {
+            return Some(Err(RequestError::value("terms", error)));
+        }
         let sample = format!(
             "{} by {}{}.",
             count(results.measured.counts.total(), "rating"),
