@@ -129,7 +129,11 @@ impl OpenStudy {
     /// Begins an analysis when another one is requested; one that is still running is stopped.
     fn analyze(&mut self, ctx: &egui::Context, files: &Files) {
         let ratings = files.asked.ratings.clone().excluding(self.filters.0.clone());
-        let request = Analyze { ratings, ..self.model.request.clone() };
+        let mut request = Analyze { ratings, ..self.model.request.clone() };
+        if let Some(factors) = &mut request.ratings.how.factors {
+            // What names the items is not a factor beside them.
+            factors.0.retain(|name| request.items.as_ref() != Some(name));
+        }
         if self.last.as_ref() != Some(&request) {
             self.last = Some(request);
             self.draft = None;
