@@ -12,7 +12,7 @@ use super::{
 use crate::{
     analysis::{
         ModelError::{InfiniteDepth, NotANumber, UnknownFactor},
-        analyze_with,
+        Random, Slopes, analyze_with,
         counts::Exclusions,
     },
     app::ui::{
@@ -133,6 +133,10 @@ impl OpenStudy {
         if let Some(factors) = &mut request.ratings.how.factors {
             // What names the items is not a factor beside them.
             factors.0.retain(|name| request.items.as_ref() != Some(name));
+        }
+        if request.random == Some(Random::None) {
+            // What was chosen for random slopes is kept until there are any again.
+            request.model.slopes = Slopes::default();
         }
         if self.last.as_ref() != Some(&request) {
             self.last = Some(request);
