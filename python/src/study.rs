@@ -8,7 +8,7 @@ use std::{
 use machband::{
     analysis::Note,
     experiment,
-    report::{self, Analyzed, Contents, Provenance, study::shell_command},
+    report::{self, Analyzed, Contents, Provenance},
     stimulus::Stimulus,
     store::{
         FileError, FileErrors, Writer,
@@ -18,7 +18,7 @@ use machband::{
     },
     system::now,
     text::{Cell, Column, Table},
-    work::{Analyze, Export, Watcher as _, verify::Verify, words},
+    work::{Analyze, Export, Watcher as _, command, verify::Verify},
 };
 use numpy::{IntoPyArray as _, PyArrayMethods as _};
 use pyo3::{prelude::*, types::PyDict};
@@ -109,9 +109,8 @@ pub fn analyze(
     fields.insert("paths".to_owned(), Field::List(paths));
     let mut asked: Analyze = request(fields)?;
     asked.ratings.how.orders = orders;
-    let words = std::iter::once("analyze".to_owned()).chain(words(&asked));
     let table = format!("# The data came as a table from Python.\nmachband.analyze({TABLE}{call})");
-    let command = if columns.is_some() { table } else { shell_command(words) };
+    let command = if columns.is_some() { table } else { command("analyze", &asked, &[]) };
     let found = job::run(py, progress, false, move |job| {
         let refused = |errors: &[FileError], is_many: bool| match errors {
             [_, ..] if !drop_errors || is_many => Err(FileErrors(errors.to_vec())),

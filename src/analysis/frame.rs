@@ -106,7 +106,7 @@ impl<'a> Frame<'a> {
 }
 
 /// Returns the number of a factor's level, or its reciprocal if `inverse`.
-pub(crate) fn level_number(factor: &Factor, level: &str, inverse: bool) -> Result<f64, ModelError> {
+fn level_number(factor: &Factor, level: &str, inverse: bool) -> Result<f64, ModelError> {
     let number = super::levels::number_of(level);
     match if inverse { number.map(f64::recip) } else { number } {
         Some(value) if value.is_finite() => Ok(value),

@@ -31,8 +31,6 @@ pub mod summary;
 pub mod tasks;
 
 pub(crate) use frame::find_factor;
-#[cfg(feature = "window")]
-pub(crate) use frame::level_number;
 pub use levels::{number_of, numbers_of};
 pub use ordinal::{
     Calibration, Checks, Coefficient, Comparison, FEW_FOR_LIKELIHOOD_RATIOS, Interaction, LEAST_FOR_SIGNS, Link,

@@ -7,13 +7,13 @@ use serde::Serialize;
 use super::{Bar, OutPath};
 use crate::{
     analysis::{Options, counts::Measured, results::covariates},
-    report::{Provenance, check_folder, document::numbers::count, skins, study::shell_command, tables},
+    report::{Provenance, check_folder, document::numbers::count, skins, tables},
     store::{
         FileError, FileErrors, Writer,
         ratings::{FileRead, Source},
     },
     system::now,
-    work::{Analyze, Ratings, Watcher as _, words},
+    work::{Analyze, Ratings, Watcher as _, command},
 };
 
 /// Analyze ratings: descriptive statistics, ordinal model, tests, figures and a report.
@@ -39,8 +39,7 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> {
     let Arguments { analysis, out, tables_only } = arguments;
     check_folder(writer, out)?;
-    let words = std::iter::once("analyze".to_owned()).chain(words(arguments));
-    let provenance = Provenance::new(shell_command(words), now());
+    let provenance = Provenance::new(command("analyze", arguments, &[]), now());
     let progress = Bar::new("reading");
     let analyzed = analysis.run(&progress)?;
     progress.stage(if *tables_only { "writing" } else { "drawing and writing" });

@@ -121,11 +121,7 @@ pub struct AnswersAtLevels {
 
 impl Analyze {
     /// Returns the names of the columns that the terms use as factors, and of their numbers, the covariates and the items.
-    pub fn columns(&self) -> [Vec<String>; 2] {
-        self.columns_of(self.model.terms.as_ref())
-    }
-
-    fn columns_of(&self, terms: Option<&Terms>) -> [Vec<String>; 2] {
+    fn columns(&self, terms: Option<&Terms>) -> [Vec<String>; 2] {
         let terms = terms.into_iter().flat_map(Terms::iter);
         let (numbers, factors): (Vec<&Variable>, Vec<&Variable>) =
             terms.flat_map(|term| &term.variables).partition(|variable| matches!(variable, Variable::Number(_)));
@@ -144,7 +140,7 @@ impl Analyze {
     /// # Errors
     /// There is nothing to analyze, or the study is too large.
     pub fn read_unordered(&self) -> anyhow::Result<Study> {
-        self.ratings.read(self.columns(), true, self.model.large)
+        self.ratings.read(self.columns(self.model.terms.as_ref()), true, self.model.large)
     }
 
     /// Reads the ratings.
@@ -162,7 +158,7 @@ impl Analyze {
     /// # Errors
     /// The same errors as [`Analyze::read`].
     pub fn read_columns(&self, name: &str, columns: Columns) -> anyhow::Result<Study> {
-        let how = self.ratings.options(self.columns(), true, self.model.large);
+        let how = self.ratings.options(self.columns(self.model.terms.as_ref()), true, self.model.large);
         let study = Study::from_columns(name, columns, &how)?;
         study.check_order(false)?;
         Ok(study)
@@ -281,8 +277,12 @@ impl Analyze {
         }
     }
 
-    /// Checks that the columns with a role are there and suit it, and that each trial has a place of its own.
-    fn check(&self, study: &Study) -> Result<(), RequestError> {
+    /// Checks that the columns with a role are there and suit it, that no term determines another one, and that each trial has
+    /// a place of its own.
+    ///
+    /// # Errors
+    /// Says which field is wrong.
+    pub fn check(&self, study: &Study) -> Result<(), RequestError> {
         let counts = &study.measured.counts;
         if let Some((option, name)) = self.roles().find(|(_, name)| counts.factor(name).is_none()) {
             let names: Vec<&str> = counts.factors.iter().map(|factor| factor.name.as_str()).collect();
@@ -294,7 +294,7 @@ impl Analyze {
             return Err(RequestError::value("slopes", message));
         }
         let terms = self.options(&study.source).terms(counts);
-        let [factors, numbers] = self.columns_of(terms.as_ref());
+        let [factors, numbers] = self.columns(terms.as_ref());
         let is_both = |name: &&String| numbers.contains(name) && self.items.as_ref() != Some(name);
         let both = |name: &String| format!("{name} is both a factor and a number; expected only one of them");
         let twice = factors.iter().find(is_both).map(both);

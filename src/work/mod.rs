@@ -31,5 +31,7 @@ pub use check::Check;
 pub use export::Export;
 pub use image::{Drawn, Encoded, Encoding, Image, Luminances, outdated};
 pub use repair::Repair;
-pub use request::{FittedPath, Found, NewFolder, OutPath, Request, RequestError, Watcher, from_names, told, words};
+pub use request::{
+    FittedPath, Found, NewFolder, OutPath, Request, RequestError, Watcher, command, from_names, told, words,
+};
 pub use study::Study;

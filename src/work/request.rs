@@ -189,6 +189,15 @@ pub fn words<T: Request + Serialize>(request: &T) -> Vec<String> {
     line.words()
 }
 
+/// Returns the command that repeats a request, quoted for a POSIX shell: this program's name, that of the command, the words of
+/// the request, and `others`.
+pub fn command<T: Request + Serialize>(name: &str, request: &T, others: &[&str]) -> String {
+    let words = words(request);
+    let all = [env!("CARGO_PKG_NAME"), name].into_iter().chain(words.iter().map(String::as_str));
+    // Quoting fails only for a zero byte, which no shell can pass to a program.
+    shlex::try_join(all.chain(others.iter().copied())).unwrap_or_default()
+}
+
 /// A command line.
 #[derive(Default)]
 struct Line {

@@ -4,10 +4,9 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::{Drawn, Encoding, Image, RequestError, Watcher, words};
+use super::{Drawn, Encoding, Image, RequestError, Watcher};
 use crate::{
     light::{Bits, Dither, Transfer, dither::Screen, palette::Reduction},
-    report::study::shell_command,
     stimulus::recipe::{Finish, Recipe},
     store::{Writer, image::write_recipe},
 };
@@ -83,6 +82,5 @@ pub fn command(recipe: &Recipe) -> String {
     let seed = if matches!(dither, Dither::Random { .. }) { *seed } else { 1 };
     let image = Image { size: *size, encoding, bits: *bits, dither: *dither, seed };
     let request = Render { drawn: Drawn::of(stimulus), image, palette: None, halftone: None };
-    let out = ["--out", "stimulus.png"].map(str::to_owned);
-    shell_command(["stimulus".to_owned()].into_iter().chain(words(&request)).chain(out))
+    super::command("stimulus", &request, &["--out", "stimulus.png"])
 }

@@ -8,7 +8,6 @@ use crate::{
         counts::{Exclusions, Measured, MeasuredBuilder},
         number_of,
     },
-    experiment::RatingRow,
     report::document::{self, count},
     store::{
         Columns, FileError, FileErrors,
@@ -39,7 +38,7 @@ impl Study {
     /// probably not a rating, or an exclusion names something unknown. If fewer rows have errors, they are in
     /// [`Source::errors`].
     pub fn read(paths: &[PathBuf], options: &ReadOptions) -> anyhow::Result<Self> {
-        Self::new(ratings::read(paths, options, builder, add)?, options)
+        Self::new(ratings::read(paths, options, builder, MeasuredBuilder::add)?, options)
     }
 
     /// Reads a table in memory, such as a data frame; `name` stands for it in messages. Errors count rows from 0.
@@ -47,7 +46,7 @@ impl Study {
     /// # Errors
     /// The same errors as [`Study::read`], or the columns differ in length.
     pub fn from_columns(name: &str, columns: Columns, options: &ReadOptions) -> anyhow::Result<Self> {
-        Self::new(ratings::read_columns(name, columns, options, builder, add)?, options)
+        Self::new(ratings::read_columns(name, columns, options, builder, MeasuredBuilder::add)?, options)
     }
 
     fn new((source, all): (Source, MeasuredBuilder), options: &ReadOptions) -> anyhow::Result<Self> {
@@ -152,8 +151,4 @@ fn builder(shape: &Shape) -> MeasuredBuilder {
     builder.levels.clone_from(&shape.levels);
     builder.only_varied = shape.guessed;
     builder
-}
-
-fn add(builder: &mut MeasuredBuilder, row: &RatingRow<'_>) -> Result<(), String> {
-    builder.add(row)
 }

@@ -186,7 +186,7 @@ fn the_window_shows_the_document_and_follows_the_settings() {
     let below = |window: &Window| window.get_by_label("Random intercept per participant").rect();
     let place = below(&window);
     for (terms, expected) in [
-        ("width,nothing", "There is no factor nothing. Enter some of width, depth."),
+        ("width,nothing", "nothing: no such factor; expected one of width, depth"),
         ("width,,depth", "an empty name"),
         ("num:width", "Participants may also differ in the effects of width"),
     ] {

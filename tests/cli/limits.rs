@@ -57,33 +57,23 @@ fn bounded(folder: &Path, line: &str) -> (Option<i32>, String) {
 }
 
 /// The commands that read a file with a given ending.
-const READERS: [(&str, &[&str]); 5] = [
-    (
-        "csv",
-        &[
-            "check {}",
-            "analyze {} --out {}.out",
-            "counts {} --out {}.counts",
-            "calibrate {} --out {}.toml",
-            "predict quick --fit {}",
-        ],
-    ),
-    (
-        "toml",
-        &[
-            "check {}",
-            "plan {} --participants 2 --studies 1",
-            "predict {}",
-            "predict --display {}",
-            "predict --criterion {}",
-            "plan quick --participants 2 --studies 1 --observer-file {}",
-            "simulate {}",
-        ],
-    ),
-    ("png", &["check {}", "compare {} {} --window 5"]),
-    ("obj", &["shade --shader gouraud --mesh {} --metrics {}.metrics.csv"]),
-    ("json", &["analyze session.csv --out out", "check session.csv"]),
-];
+const READERS: &str = "csv => check {}
+    csv => analyze {} --out {}.out
+    csv => counts {} --out {}.counts
+    csv => calibrate {} --out {}.toml
+    csv => predict quick --fit {}
+    toml => check {}
+    toml => plan {} --participants 2 --studies 1
+    toml => predict {}
+    toml => predict --display {}
+    toml => predict --criterion {}
+    toml => plan quick --participants 2 --studies 1 --observer-file {}
+    toml => simulate {}
+    png => check {}
+    png => compare {} {} --window 5
+    obj => shade --shader gouraud --mesh {} --metrics {}.metrics.csv
+    json => analyze session.csv --out out
+    json => check session.csv";
 
 /// A device, a pipe without a writer and a socket are refused at once by every command; so is a folder, except where a
 /// folder of files is expected.
@@ -98,25 +88,22 @@ fn only_regular_files_are_read() {
     fs::write(at("session.csv"), header).unwrap();
     let mut runs = 0;
     for what in ["/dev/zero", "pipe", "socket", "folder"] {
-        for (ending, lines) in READERS {
+        for (ending, line) in READERS.lines().filter_map(|line| line.trim().split_once(" => ")) {
             // A link with the right ending leads to it.
             let link = if ending == "json" { "session.json".to_owned() } else { format!("link.{ending}") };
-            let _ = fs::remove_file(at(&link));
             symlink(what, at(&link)).unwrap();
-            for line in lines {
-                let line = line.replace("{}", &link);
-                let (status, messages) = bounded(folder.path(), &line);
-                runs += 1;
-                // A folder with the name of the sidecar does not count as a sidecar.
-                let is_expected = messages.contains("is not a regular file") || messages.contains("is a folder");
-                let is_read_as_folder = what == "folder"
-                    && (ending == "json" || messages.contains("CSV files") || messages.contains("contains no PNG"));
-                assert!(
-                    status == Some(1) && is_expected || is_read_as_folder || ending == "json",
-                    "{what}: {line}: {messages}"
-                );
-            }
+            let line = line.replace("{}", &link);
+            let (status, messages) = bounded(folder.path(), &line);
             fs::remove_file(at(&link)).unwrap();
+            runs += 1;
+            // A folder with the name of the sidecar does not count as a sidecar.
+            let is_expected = messages.contains("is not a regular file") || messages.contains("is a folder");
+            let is_read_as_folder = what == "folder"
+                && (ending == "json" || messages.contains("CSV files") || messages.contains("contains no PNG"));
+            assert!(
+                status == Some(1) && is_expected || is_read_as_folder || ending == "json",
+                "{what}: {line}: {messages}"
+            );
         }
     }
     withstood("devices, pipes, sockets and folders as data", runs, &[PANICS, HANGS]);

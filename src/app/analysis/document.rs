@@ -46,20 +46,12 @@ impl DocumentView {
 
     /// Sorts the tables as those of an earlier view, and shows its images until the new ones are ready.
     pub fn after(mut self, earlier: &Self) -> Self {
-        for section in &mut self.sections {
-            let same = earlier.sections.iter().find(|earlier| earlier.id == section.id);
-            let old = || same.into_iter().flat_map(|earlier| &earlier.blocks);
-            let mut tables =
-                old().filter_map(|block| if let BlockView::Table(table) = block { Some(table) } else { None });
-            for block in &mut section.blocks {
-                match block {
-                    BlockView::Text(_) => {}
-                    BlockView::Table(table) => tables.next().into_iter().for_each(|earlier| table.sort_like(earlier)),
-                    BlockView::Figure(figure) => {
-                        let all =
-                            old().filter_map(|block| if let BlockView::Figure(old) = block { Some(old) } else { None });
-                        all.for_each(|earlier| figure.follow(earlier));
-                    }
+        for block in self.sections.iter_mut().flat_map(|section| &mut section.blocks) {
+            for earlier in earlier.sections.iter().flat_map(|section| &section.blocks) {
+                match (&mut *block, earlier) {
+                    (BlockView::Table(table), BlockView::Table(earlier)) => table.sort_like(earlier),
+                    (BlockView::Figure(figure), BlockView::Figure(earlier)) => figure.follow(earlier),
+                    _ => {}
                 }
             }
         }
@@ -84,15 +76,14 @@ impl DocumentView {
     /// Draws the summary; returns whether there is one. It begins with the figures that show the result. `is_draft`: no
     /// model is fitted yet, so that there are only these figures.
     pub fn summary(&mut self, ui: &mut egui::Ui, is_draft: bool) -> bool {
-        let place = |id: &str| self.sections.iter().position(|section| section.id == id);
         let is_figure = |block: &BlockView| matches!(block, BlockView::Figure(_));
-        let first = || self.sections.iter().position(|section| section.blocks.iter().any(is_figure));
-        let (Some(summary), description) = (place(SUMMARY), place("description").or_else(first)) else { return false };
+        let drawn = self.sections.iter().position(|section| section.blocks.iter().any(is_figure));
+        let Some(summary) = self.sections.iter().position(|section| section.id == SUMMARY) else { return false };
         scrolled(ui, SUMMARY, |ui| {
             // The warnings hold for all sections.
             let is_warning = |block: &BlockView| matches!(block, BlockView::Text(Block::Warning(_)));
             show_blocks(ui, self.sections[summary].blocks.iter_mut().filter(|block| is_warning(block)));
-            let figures = description.map(|index| &mut self.sections[index].blocks);
+            let figures = drawn.map(|index| &mut self.sections[index].blocks);
             let key = figures.into_iter().flatten().filter(|block| is_figure(block));
             let many = if ui.available_width() >= TWO_COLUMNS { 2 } else { 1 };
             show_blocks(ui, key.take(many));

@@ -10,7 +10,11 @@ use super::{
     query::{Filters, ModelControls},
 };
 use crate::{
-    analysis::{analyze_with, counts::Exclusions},
+    analysis::{
+        ModelError::{InfiniteDepth, NotANumber, UnknownFactor},
+        Random, Slopes, analyze_with,
+        counts::Exclusions,
+    },
     app::ui::{
         complain, parameter, secondary, theme,
         work::{BackgroundTask, Lost, Steps},
@@ -20,7 +24,7 @@ use crate::{
         FileError,
         ratings::{Reason, SessionRead},
     },
-    work::{Analyze, Study},
+    work::{Analyze, RequestError, Study},
 };
 
 /// The data and its analysis.
@@ -34,8 +38,6 @@ pub struct OpenStudy {
     state: State,
     /// What needs no model, until everything is there.
     draft: Option<Outcome>,
-    /// The progress of the running analysis.
-    simulated: Arc<Steps>,
     /// The last finished analysis.
     shown: Option<Outcome>,
 }
@@ -47,12 +49,15 @@ enum State {
     /// everything. The result is `None` if nothing is selected.
     Running {
         is_draft: bool,
-        task: BackgroundTask<Option<Outcome>>,
+        task: BackgroundTask<Option<Result<Outcome, RequestError>>>,
+        simulated: Arc<Steps>,
     },
     /// The user stopped it.
     Stopped,
     /// Nothing is selected.
     Empty,
+    /// The model that was asked for is not possible with these data, and why.
+    Refused(String),
 }
 
 /// The sections that need no model, so that they are shown at once. Numbers in them are final.
@@ -74,7 +79,6 @@ impl OpenStudy {
             last: None,
             state: State::Done,
             draft: None,
-            simulated: Arc::default(),
             shown: None,
             study: Arc::new(study),
         }
@@ -95,12 +99,12 @@ impl OpenStudy {
 
     /// Takes the results of computations that have finished.
     fn take_outcome(&mut self, ctx: &egui::Context) {
-        if let State::Running { is_draft, task } = &self.state
+        if let State::Running { is_draft, task, .. } = &self.state
             && let (is_draft, Some(result)) = (*is_draft, task.poll())
         {
             self.state = State::Done;
             match result {
-                Ok(Some(outcome)) => {
+                Ok(Some(Ok(outcome))) => {
                     // The user may have sorted the tables of both.
                     let earlier = [&self.shown, &self.draft].into_iter().flatten();
                     let view = earlier.fold(outcome.view, |view, earlier| view.after(&earlier.view));
@@ -112,6 +116,7 @@ impl OpenStudy {
                         (self.shown, self.draft) = (made, None);
                     }
                 }
+                Ok(Some(Err(error))) => self.state = State::Refused(error.plain().to_owned()),
                 Ok(None) => self.state = State::Empty,
                 Err(Lost) => {
                     self.state = State::Stopped;
@@ -124,7 +129,15 @@ impl OpenStudy {
     /// Begins an analysis when another one is requested; one that is still running is stopped.
     fn analyze(&mut self, ctx: &egui::Context, files: &Files) {
         let ratings = files.asked.ratings.clone().excluding(self.filters.0.clone());
-        let request = Analyze { ratings, ..self.model.request.clone() };
+        let mut request = Analyze { ratings, ..self.model.request.clone() };
+        if let Some(factors) = &mut request.ratings.how.factors {
+            // What names the items is not a factor beside them.
+            factors.0.retain(|name| request.items.as_ref() != Some(name));
+        }
+        if request.random == Some(Random::None) {
+            // What was chosen for random slopes is kept until there are any again.
+            request.model.slopes = Slopes::default();
+        }
         if self.last.as_ref() != Some(&request) {
             self.last = Some(request);
             self.draft = None;
@@ -136,10 +149,10 @@ impl OpenStudy {
     /// threads.
     fn start(&mut self, ctx: &egui::Context, is_draft: bool) {
         let Some(request) = self.last.clone() else { return };
-        self.simulated = Arc::default();
-        let (study, simulated) = (self.study.clone(), self.simulated.clone());
-        let compute = move || Outcome::new(&study, &request, is_draft, &simulated);
-        self.state = State::Running { is_draft, task: BackgroundTask::stoppable(ctx, compute) };
+        let (study, simulated) = (self.study.clone(), Arc::<Steps>::default());
+        let steps = simulated.clone();
+        let compute = move || Outcome::new(&study, &request, is_draft, &steps);
+        self.state = State::Running { is_draft, task: BackgroundTask::stoppable(ctx, compute), simulated };
     }
 
     /// Returns whether the results are of what was selected before.
@@ -180,13 +193,14 @@ impl Opened for OpenStudy {
         let ui = &mut ui.new_child(egui::UiBuilder::new().max_rect(rect).layout(right));
         ui.set_clip_rect(rect);
         // How far it is has the right end of the line; the rest may be cut.
-        match self.state {
+        match &self.state {
             State::Done => {}
-            State::Running { is_draft, .. } => {
-                if ui.add_enabled(!is_draft, egui::Button::new("Stop").small()).clicked() {
+            State::Running { is_draft, simulated, .. } => {
+                let stop = ui.add_enabled(!is_draft, egui::Button::new("Stop").small());
+                simulated.show(ui, "Analyzing", "simulated studies");
+                if stop.clicked() {
                     self.state = State::Stopped;
                 }
-                self.simulated.show(ui, "Analyzing", "simulated studies");
             }
             State::Stopped => {
                 if ui.small_button("Continue").clicked() {
@@ -197,6 +211,9 @@ impl Opened for OpenStudy {
             State::Empty => {
                 ui.label(secondary("No data are selected.").color(theme::ink(ui).bad))
                     .on_hover_text("Select at least one participant and at least one level of every factor.");
+            }
+            State::Refused(why) => {
+                ui.label(secondary("This model is not possible.").color(theme::ink(ui).bad)).on_hover_text(why);
             }
         }
         let is_drafted = self.is_drafted(section);
@@ -254,24 +271,32 @@ impl Opened for OpenStudy {
             self.filters = Filters::default();
         }
         ui.separator();
-        self.model.show(ui, counts, &self.filters);
+        let refused = if let State::Refused(why) = &self.state { why } else { "" };
+        self.model.show(ui, counts, &self.filters, refused);
         (asked != files.asked).then_some(asked)
     }
 
     fn exported(&self) -> (Option<&Analyze>, Option<&Arc<Analyzed>>) {
         // Only displayed results can be exported, not results that are still being computed.
         let outcome = self.shown.as_ref().filter(|_| !self.is_stale());
-        let request = self.last.as_ref().filter(|_| !matches!(self.state, State::Empty));
+        let request = self.last.as_ref().filter(|_| !matches!(self.state, State::Empty | State::Refused(_)));
         (request, outcome.map(|outcome| &outcome.analyzed))
     }
 }
 
 impl Outcome {
     /// Analyzes the selected data; `None` if nothing is selected.
-    fn new(study: &Study, request: &Analyze, is_draft: bool, simulated: &Steps) -> Option<Self> {
+    ///
+    /// # Errors
+    /// The requested model is impossible.
+    fn new(study: &Study, request: &Analyze, is_draft: bool, simulated: &Steps) -> Option<Result<Self, RequestError>> {
         let measured = study.measured.narrowed(&Exclusions::from(&request.ratings.how)).ok()?;
         if measured.counts.total() == 0 {
             return None;
+        }
+        let study = Study { source: study.source.clone(), measured };
+        if let Err(error) = request.check(&study) {
+            return Some(Err(error));
         }
         let mut options = request.options(&study.source);
         if is_draft {
@@ -279,15 +304,20 @@ impl Outcome {
             (options.max_coefficients, options.unchecked) = (Some(0), true);
         }
         let progress = |done: usize, all: usize| simulated.set(done as u64, all as u64);
-        let results = analyze_with(measured, &options, &progress);
+        let results = analyze_with(study.measured, &options, &progress);
+        if let Some(error @ (UnknownFactor { .. } | NotANumber { .. } | InfiniteDepth { .. })) =
+            results.model.as_ref().err()
+        {
+            return Some(Err(RequestError::value("terms", error)));
+        }
         let sample = format!(
             "{} by {}{}.",
             count(results.measured.counts.total(), "rating"),
             count(results.people() as u64, "participant"),
             if is_filtered(request) { ", filtered" } else { "" }
         );
-        let analyzed = Analyzed::Ratings(study.source.clone().into(), results.into());
+        let analyzed = Analyzed::Ratings(study.source.into(), results.into());
         let view = DocumentView::new(analyzed.document(&analyzed.figures(), None));
-        Some(Self { analyzed: analyzed.into(), sample, view })
+        Some(Ok(Self { analyzed: analyzed.into(), sample, view }))
     }
 }

@@ -13,10 +13,10 @@ use crate::{
         theme::{self, ink},
         work::{BackgroundTask, Lost},
     },
-    report::{Analyzed, Provenance, document::numbers::whole, study::shell_command},
+    report::{Analyzed, Provenance, document::numbers::whole},
     store::{FileError, StoreError, ratings::with_files},
     system::{found, now},
-    work::{Analyze, words},
+    work::{self, Analyze},
 };
 
 /// Maximum number of listed errors, and of listed warnings.
@@ -306,7 +306,6 @@ impl Shell {
 
     /// Returns the command that repeats the request.
     fn command(&self, request: &Analyze) -> String {
-        let out = ["--out".to_owned(), self.saving.typed.trim().to_owned()];
-        shell_command(["analyze".to_owned()].into_iter().chain(words(request)).chain(out))
+        work::command("analyze", request, &["--out", self.saving.typed.trim()])
     }
 }

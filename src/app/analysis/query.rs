@@ -6,10 +6,9 @@ use eframe::egui::{self, CollapsingHeader, ScrollArea};
 
 use crate::{
     analysis::{
-        Link, ModelError, Random, Slopes,
+        Link, Random, Slopes,
         counts::{Counts, Exclusions},
-        find_factor, level_number,
-        terms::{Terms, Variable},
+        terms::Terms,
     },
     app::ui::{Field, folded, text::name},
     report::names,
@@ -32,20 +31,6 @@ impl Filters {
     /// Returns the levels of a factor that are left; `None` if all are.
     fn kept(&self, factor: &str) -> Option<&[String]> {
         self.0.only.iter().find(|(name, _)| name == factor).map(|(_, kept)| &kept[..])
-    }
-
-    /// Checks that the terms name factors, and use as numbers only selected levels that are numbers.
-    fn check(&self, terms: &Terms, counts: &Counts) -> Result<(), ModelError> {
-        for variable in terms.iter().flat_map(|term| &term.variables) {
-            let (index, inverse) = find_factor(counts, variable)?;
-            let factor = &counts.factors[index];
-            let kept = self.kept(&factor.name);
-            let mut selected = factor.levels.iter().filter(|level| kept.is_none_or(|kept| kept.contains(level)));
-            if let Variable::Number(_) = variable {
-                selected.try_for_each(|level| level_number(factor, level, inverse).map(drop))?;
-            }
-        }
-        Ok(())
     }
 
     /// Draws the checklists. `label` returns the name of a factor as it is read.
@@ -125,9 +110,9 @@ pub struct ModelControls {
 }
 
 impl ModelControls {
-    /// Draws the controls.
-    pub fn show(&mut self, ui: &mut egui::Ui, counts: &Counts, filters: &Filters) {
-        self.terms_field(ui, counts, filters);
+    /// Draws the controls; `refused` says why the terms in use are not possible, if so.
+    pub fn show(&mut self, ui: &mut egui::Ui, counts: &Counts, filters: &Filters, refused: &str) {
+        self.terms_field(ui, counts, refused);
         let people = filters.people(counts);
         let request = &mut self.request;
         let field = |label| Field::new(label).column(LABELS).width(130.0);
@@ -154,11 +139,11 @@ impl ModelControls {
         request.items.take_if(|items| !random || counts.factor(items).is_none());
     }
 
-    fn terms_field(&mut self, ui: &mut egui::Ui, counts: &Counts, filters: &Filters) {
+    fn terms_field(&mut self, ui: &mut egui::Ui, counts: &Counts, refused: &str) {
         let varied = counts.factors.iter().filter(|factor| factor.levels.len() > 1);
         let hint = varied.map(|factor| factor.name.as_str()).collect::<Vec<_>>().join(",");
-        let parsed = self.parsed(counts, filters);
-        let error = parsed.as_ref().err().map_or("", String::as_str);
+        let parsed = self.parsed();
+        let error = parsed.as_ref().err().map_or(refused, String::as_str);
         let is_used = parsed.as_ref().is_ok_and(|terms| *terms == self.request.model.terms);
         let note = if is_used { "" } else { "Press Enter to use these terms." };
         let field = Field::new("Terms").hint(&hint).width(ui.available_width()).slot().error(error).note(note, false);
@@ -174,17 +159,7 @@ impl ModelControls {
     }
 
     /// Returns the typed terms, or what is wrong with them.
-    fn parsed(&self, counts: &Counts, filters: &Filters) -> Result<Option<Terms>, String> {
-        if self.typed.trim().is_empty() {
-            return Ok(None);
-        }
-        let terms = self.typed.parse::<Terms>()?;
-        match filters.check(&terms, counts) {
-            Ok(()) => Ok(Some(terms)),
-            Err(ModelError::UnknownFactor { name, known }) => {
-                Err(format!("There is no factor {name}. Enter some of {}.", known.join(", ")))
-            }
-            Err(error) => Err(error.to_string()),
-        }
+    fn parsed(&self) -> Result<Option<Terms>, String> {
+        if self.typed.trim().is_empty() { Ok(None) } else { self.typed.parse().map(Some) }
     }
 }

@@ -28,9 +28,10 @@ impl TableView {
         Self { table, widths: Vec::new(), sorted: None }
     }
 
-    /// Sorts the rows as those of an earlier table of this kind.
+    /// Sorts the rows as those of an earlier table, if that is the same of other data.
     pub fn sort_like(&mut self, earlier: &Self) {
-        if let Some((column, down)) = earlier.sorted.filter(|_| earlier.table.header == self.table.header) {
+        let is_same = earlier.table.caption == self.table.caption && earlier.table.header == self.table.header;
+        if let Some((column, down)) = earlier.sorted.filter(|_| is_same) {
             self.sort(column);
             if down {
                 self.sort(column);

@@ -165,7 +165,7 @@ fn sessions<'a>(source: &'a Source, results: &Results) -> impl Iterator<Item = &
     source.sessions.iter().filter(move |session| !excluded.contains(&session.subject))
 }
 
-/// Returns the analyzed participants who have any ratings from a program: how many, and how many ratings they have.
+/// Returns the analyzed participants who have any ratings from a program: how many, and how many ratings they have in all.
 pub(super) fn simulated<'a>(source: &'a Source, results: &Results) -> BTreeMap<&'a str, [u64; 2]> {
     let recorded = source.sessions.iter().filter(|session| session.sidecar.is_some());
     let of = |session: &SessionRead| [if session.is_simulated() { session.rated } else { 0 }, session.rated];
@@ -178,9 +178,4 @@ pub(super) fn simulated<'a>(source: &'a Source, results: &Results) -> BTreeMap<&
     let subjects = &results.measured.counts.subjects;
     all.retain(|subject, [simulated, _]| *simulated > 0 && subjects.iter().any(|known| known == subject));
     all
-}
-
-/// True if all ratings of a participant in [`simulated`] come from a program.
-pub(super) fn all_simulated([simulated, all]: &[u64; 2]) -> bool {
-    simulated == all
 }

@@ -29,7 +29,7 @@ pub(super) fn sections(source: &Source, results: &Results) -> (Section, Section)
 fn procedure(source: &Source, results: &Results) -> String {
     let people = count(results.people() as u64, "participant");
     let simulated = health::simulated(source, results);
-    let who = match simulated.values().filter(|counts| health::all_simulated(counts)).count() {
+    let who = match simulated.values().filter(|[own, all]| own == all).count() {
         0 => people,
         n if n >= results.people() => count(n as u64, "simulated observer"),
         n => format!("{people}, {n} of them simulated,"),

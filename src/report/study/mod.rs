@@ -16,6 +16,6 @@ mod provenance;
 mod summary;
 
 pub use document::document;
+pub use provenance::Provenance;
 pub(crate) use provenance::definition;
-pub use provenance::{Provenance, shell_command};
 pub use summary::{Summary, summary};

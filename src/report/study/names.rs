@@ -5,7 +5,6 @@ use crate::{
     analysis::{
         Model, Note, RandomSlope, Results,
         counts::Counts,
-        number_of,
         results::{FactorResults, SubjectResults},
         summary::Group,
     },
@@ -67,11 +66,6 @@ pub(super) fn scale(counts: &Counts, protocol: Option<&Protocol>) -> Vec<String>
         Some(protocol) if protocol.response.categories.len() == counts.categories.len() => categories_of(protocol),
         _ => counts.categories.iter().map(|category| level(Known::None, "", category).to_string()).collect(),
     }
-}
-
-/// True if the categories are not numbers, so that means are computed from their positions, counted from 0.
-pub(super) fn categories_are_texts(counts: &Counts) -> bool {
-    counts.categories.iter().any(|category| !number_of(category).is_some_and(f64::is_finite))
 }
 
 /// Describes the sample in a sentence: `8 participants gave 1,920 ratings of 45 conditions, which differ in …`. The

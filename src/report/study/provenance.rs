@@ -36,13 +36,6 @@ impl Provenance {
     }
 }
 
-/// Returns this program's name and the arguments, quoted for a POSIX shell.
-pub fn shell_command(arguments: impl IntoIterator<Item = String>) -> String {
-    let command: Vec<String> = std::iter::once(env!("CARGO_PKG_NAME").to_owned()).chain(arguments).collect();
-    // Quoting fails only for a zero byte, which no shell can pass to a program.
-    shlex::try_join(command.iter().map(String::as_str)).unwrap_or_default()
-}
-
 pub(super) fn section(source: &Source, provenance: &Provenance) -> Section {
     let mut section = Section::new("repeat", "Repeat this analysis");
     provenance.tell(&mut section);

@@ -8,6 +8,7 @@ use crate::{
     analysis::{
         Checks, ModelReport, Note, Order, Results,
         counts::Measured,
+        number_of,
         results::{FactorResults, SubjectResults},
         terms::Term,
     },
@@ -77,8 +78,9 @@ fn lead(source: &Source, results: &Results) -> Vec<String> {
     let is_used = |category: &usize| counts.rows.iter().any(|row| usize::from(row.rating) == *category);
     let used: Vec<usize> = (0..scale.len()).filter(is_used).collect();
     if let (Some(&first), Some(&last)) = (used.first(), used.last()) {
-        let positions =
-            if names::categories_are_texts(counts) { "; means use their positions, counted from 0" } else { "" };
+        let is_text = |category: &String| !number_of(category).is_some_and(f64::is_finite);
+        let are_texts = counts.categories.iter().any(is_text);
+        let positions = if are_texts { "; means use their positions, counted from 0" } else { "" };
         let ratings = match first == last {
             true => format!("all ratings are {}", scale[first]),
             false => format!("ratings range from {} to {}", scale[first], scale[last]),
@@ -153,7 +155,7 @@ fn simulated(source: &Source, results: &Results) -> Option<String> {
         return None;
     }
     let [from_program, all] = [0, 1].map(|which| simulated.values().map(|counts| counts[which]).sum());
-    Some(if simulated.values().all(health::all_simulated) && simulated.len() >= results.people() {
+    Some(if simulated.values().all(|[own, all]| own == all) && simulated.len() >= results.people() {
         "These data are simulated: all ratings come from a program, and the results say nothing about people."
             .to_owned()
     } else {
