@@ -14,8 +14,8 @@ use super::{
 use crate::{
     light::Depth,
     shading::{
-        Body, Composition, Correction, Highlight, Lamp, LampPosition, Material, Mesh, Mirrors, Normals, Scene, Shade, Shader,
-        Surface, Transmits, Transparency, View,
+        Body, Composition, Correction, Highlight, Lamp, LampPosition, Material, Mesh, Mirrors, Normals, Scene, Shade,
+        Shader, Surface, Transmits, Transparency, View,
     },
 };
 
