@@ -14,8 +14,8 @@ use super::{
 use crate::{
     light::Depth,
     shading::{
-        Body, Composition, Correction, Highlight, Lamp, LampPosition, Material, Mesh, Mirrors, Normals, Shade, Shader,
-        Surface, Transmits, Transparency, View,
+        Body, Composition, Correction, Highlight, Lamp, LampPosition, Material, Mesh, Mirrors, Normals, Scene, Shade,
+        Shader, Surface, Transmits, Transparency, View,
     },
 };
 
@@ -92,8 +92,8 @@ table! {
 
 table! {
     ViewTable {
-        rotate: [f64; 3] = [25.0, -35.0, 0.0], -MOST..=MOST;
-        fill: f64 = 0.9, 0.01..=100.0;
+        rotate: [f64; 3] = Scene::default().rotate_deg, -MOST..=MOST;
+        fill: f64 = Scene::default().fill, 0.01..=100.0;
         distance: Option<f64> = None, 1.05..=MOST;
     }
 }
@@ -114,11 +114,11 @@ table! {
         reweight: Correction = Correction::Off;
         color: [f64; 3] = [1.0; 3], 0.0..=1.0;
         specular_color: [f64; 3] = [1.0; 3], 0.0..=1.0;
-        ambient: f64 = 0.1, 0.0..=1.0;
-        diffuse: f64 = 0.6, 0.0..=1.0;
+        ambient: f64 = Scene::default().ambient, 0.0..=1.0;
+        diffuse: f64 = Scene::default().diffuse, 0.0..=1.0;
         specular: f64 = 0.3, 0.0..=1.0;
         highlight: Highlight = Highlight::Phong;
-        shininess: f64 = 20.0, 1.0..=1000.0;
+        shininess: f64 = Scene::default().shininess, 1.0..=1000.0;
         facet_slope: Option<f64> = None, 0.001..=10.0;
         facet_c1: Option<f64> = None, 0.0..=1e6;
         facet_index: Option<f64> = None, 1.0..=1000.0;

@@ -70,10 +70,10 @@ pub struct OneMesh {
     #[arg(long, default_value = "off", value_parser = one_of::<Correction>(Correction::NAMES))]
     pub reweight: Correction,
     /// Rotation of the mesh about x, then y, then z, in degrees.
-    #[arg(long, value_name = "X,Y,Z", default_value = "25,-35,0", allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", default_value_t = Triple(Scene::default().rotate_deg), allow_hyphen_values = true)]
     pub rotate: Triple,
     /// Direction toward the lamp: x right, y up, z toward the viewer.
-    #[arg(long, value_name = "X,Y,Z", default_value = "0.36,0.48,0.8", allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", default_value_t = Triple(Scene::default().light.to_array()), allow_hyphen_values = true)]
     pub light: Triple,
     /// Color of the surface: gray, yellow, red, green, blue, R,G,B (linear weights), hsv:H,S,V or xyY:x,y,Y.
     #[arg(long, default_value = "gray")]

@@ -91,6 +91,20 @@ impl Polygons {
         !self.corners.is_empty() && self.corners.iter().all(|corner| self.normal(corner).is_some())
     }
 
+    /// Checks the positions of the corners.
+    ///
+    /// # Errors
+    /// A position is not finite.
+    pub fn check(&self) -> Result<(), String> {
+        // NaN does not count as within.
+        let within = |p: DVec3| p.to_array().iter().all(|x| x.abs() <= MAX_COORDINATE);
+        let wrong = self.corners.iter().find(|corner| !within(self.positions[corner.site as usize]));
+        wrong.map_or(Ok(()), |Corner { site, .. }| {
+            let expected = "expected three finite numbers within ±1e30";
+            Err(format!("position {site} is not finite or is beyond ±1e30; {expected}"))
+        })
+    }
+
     /// Gives corners at exactly the same position the same site.
     pub fn merge(&mut self) {
         let (mut merged, mut sites) = (Vec::new(), HashMap::new());
@@ -208,12 +222,7 @@ impl Polygons {
     /// # Errors
     /// No polygon has an area, or a position is not finite.
     pub fn mesh(&self, crease_deg: f64) -> Result<Mesh, String> {
-        // NaN does not count as within.
-        let within = |p: &DVec3| p.to_array().iter().all(|x| x.abs() <= MAX_COORDINATE);
-        if let Some(at) = self.positions.iter().position(|p| !within(p)) {
-            let expected = "expected three finite numbers within ±1e30";
-            return Err(format!("position {at} is not finite or is beyond ±1e30; {expected}"));
-        }
+        self.check()?;
         let (mut cut, mut normals) = (Vec::new(), Vec::with_capacity(self.ends.len()));
         for (face, range) in self.ranges().into_iter().enumerate() {
             checkpoint();

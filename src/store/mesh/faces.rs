@@ -80,6 +80,8 @@ impl Faces {
         self.paint();
         let Self { mut polygons, ignored, notes, is_flat, .. } = self;
         let mut notes: Vec<String> = ignored.into_iter().map(str::to_owned).chain(notes).collect();
+        // Before merging, which counts the positions anew.
+        polygons.check().map_err(|message| FileErrors::whole(file, message))?;
         polygons.merge();
         polygons.drop_collapsed();
         let repeated = polygons.drop_repeated();

@@ -35,7 +35,7 @@ use crate::{
         PaintedCorner, Texture,
         mesh::{Corner, MAX_COORDINATE},
     },
-    store::{FileErrors, file::read_bytes, table::shortened},
+    store::{file::read_bytes, table::shortened},
 };
 
 /// Maximum number of texels of all textures of a mesh, as many as 4096 × 4096: each needs 12 bytes.
@@ -44,20 +44,15 @@ const MAX_TEXELS: usize = 1 << 24;
 /// Maximum number of triangles: nodes can repeat a mesh any number of times.
 const MAX_TRIANGLES: usize = 4_000_000;
 
-/// Reads the content of a glTF or GLB file; `file` identifies it in messages. Other files that it names must lie in
-/// `folder`.
-///
-/// # Errors
-/// Content that is not glTF, data that are missing or out of range, and coordinates that are not finite.
-/// With `is_flat`, faces without normals get their own, as the specification says.
-pub(super) fn parse(folder: Option<&Path>, file: &str, content: &[u8], is_flat: bool) -> Result<Faces, FileErrors> {
-    read(folder, content, is_flat).map_err(|message| FileErrors::whole(file, message))
-}
-
 /// The extensions that this reader knows.
 const KNOWN: [&str; 2] = ["KHR_mesh_quantization", "KHR_texture_transform"];
 
-fn read(folder: Option<&Path>, content: &[u8], is_flat: bool) -> Result<Faces, String> {
+/// Reads the content of a glTF or GLB file. Other files that it names must lie in `folder`. With `is_flat`, faces without
+/// normals get their own, as the specification says.
+///
+/// # Errors
+/// Content that is not glTF, data that are missing or out of range, and coordinates that are not finite.
+pub(super) fn parse(folder: Option<&Path>, content: &[u8], is_flat: bool) -> Result<Faces, String> {
     // The header has 12 bytes, and its last four count them as well; the crate relies on that.
     if content.starts_with(b"glTF") {
         let length = content.get(8..12).map(|bytes| u32::from_le_bytes(bytes.try_into().unwrap_or_default()));
@@ -82,16 +77,16 @@ fn read(folder: Option<&Path>, content: &[u8], is_flat: bool) -> Result<Faces, S
     let ignored = extensions(&mut json)?;
     check(&json)?;
     let document = Document::from_json(json).map_err(not_gltf)?;
-    let mut source = Source { folder, buffers: Vec::new(), left: MAX_FILE.saturating_sub(content.len() as u64) };
+    let left = MAX_FILE.saturating_sub(content.len() as u64);
+    let mut reader = Reader { folder, left, texels: MAX_TEXELS, ..Reader::default() };
+    reader.faces.is_flat = is_flat;
     for buffer in document.buffers() {
         let bytes = match buffer.source() {
             buffer::Source::Bin => blob.take().ok_or("its binary chunk is missing; expected one, for one buffer")?,
-            buffer::Source::Uri(uri) => source.at(uri)?,
+            buffer::Source::Uri(uri) => reader.at(uri)?,
         };
-        source.buffers.push(bytes);
+        reader.buffers.push(bytes);
     }
-    let mut reader = Reader { source, texels: MAX_TEXELS, ..Reader::default() };
-    reader.faces.is_flat = is_flat;
     reader.document(&document)?;
     let mut faces = reader.faces;
     if !ignored.is_empty() {
@@ -134,16 +129,21 @@ fn check(json: &json::Root) -> Result<(), String> {
     Ok(())
 }
 
-/// The bytes that a file refers to.
 #[derive(Default)]
-struct Source<'a> {
+struct Reader<'a> {
     folder: Option<&'a Path>,
+    /// The bytes that the file refers to.
     buffers: Vec<Vec<u8>>,
     /// The number of bytes that other files may still have.
     left: u64,
+    faces: Faces,
+    /// The index of the coat that has each texture, or none.
+    coats: HashMap<Option<usize>, u32>,
+    /// The number of texels that textures may still have.
+    texels: usize,
 }
 
-impl Source<'_> {
+impl Reader<'_> {
     /// Returns the content of a URI: data, or a file in the folder.
     fn at(&mut self, uri: &str) -> Result<Vec<u8>, String> {
         if let Some(data) = uri.strip_prefix("data:") {
@@ -173,7 +173,7 @@ impl Source<'_> {
         bytes.ok_or_else(|| format!("buffer view {} reaches beyond its buffer; expected one within it", view.index()))
     }
 
-    /// Returns what [`Source::numbers`] does if that is one item for each of `count` positions.
+    /// Returns what [`Reader::numbers`] does if that is one item for each of `count` positions.
     fn each<const N: usize>(&self, accessor: &Accessor<'_>, what: &str, count: usize) -> Result<Vec<[f64; N]>, String> {
         let numbers = self.numbers(accessor, what)?;
         let found = numbers.len();
@@ -213,28 +213,7 @@ impl Source<'_> {
         let item = |at: usize| std::array::from_fn(|k| number(&bytes[at * stride + k * size..][..size]));
         Ok((0..count).map(item).collect())
     }
-}
 
-/// Returns the corners of each triangle.
-fn triangles(mode: Mode, corners: &[usize]) -> Vec<[usize; 3]> {
-    match mode {
-        Mode::Triangles => corners.as_chunks().0.to_vec(),
-        Mode::TriangleStrip => strip_triangles(corners),
-        _ => corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]]).collect(),
-    }
-}
-
-#[derive(Default)]
-struct Reader<'a> {
-    source: Source<'a>,
-    faces: Faces,
-    /// The index of the coat that has each texture, or none.
-    coats: HashMap<Option<usize>, u32>,
-    /// The number of texels that textures may still have.
-    texels: usize,
-}
-
-impl Reader<'_> {
     fn document(&mut self, document: &Document) -> Result<(), String> {
         let scene = document.default_scene().or_else(|| document.scenes().next());
         let others = (document.scenes().len() > 1).then_some("scenes other than the default one were ignored");
@@ -283,9 +262,9 @@ impl Reader<'_> {
         }
         let get = |semantic: Semantic| primitive.get(&semantic);
         let positions = get(Semantic::Positions).ok_or("it has no positions; expected POSITION")?;
-        let positions = self.source.numbers::<3>(&positions, "positions")?;
+        let positions = self.numbers::<3>(&positions, "positions")?;
         let count = positions.len();
-        let normals = get(Semantic::Normals).map(|normals| self.source.each::<3>(&normals, "normals", count));
+        let normals = get(Semantic::Normals).map(|normals| self.each::<3>(&normals, "normals", count));
         let normals = normals.transpose()?;
         let corners = self.corners(primitive, count)?;
         if mode == Mode::Triangles && corners.len() % 3 != 0 {
@@ -335,7 +314,7 @@ impl Reader<'_> {
         let base = material.pbr_metallic_roughness();
         let [r, g, b, _] = base.base_color_factor().map(f64::from);
         let colors = match primitive.get(&Semantic::Colors(0)) {
-            Some(colors) => self.source.each::<3>(&colors, "colors", count)?,
+            Some(colors) => self.each::<3>(&colors, "colors", count)?,
             None => vec![[1.0; 3]; count],
         };
         let first = self.faces.polygons.paint.len();
@@ -363,7 +342,7 @@ impl Reader<'_> {
             self.faces.ignored.insert("textures without texture coordinates were ignored");
             return Ok(None);
         };
-        let places = self.source.each::<2>(&places, "texture coordinates", count)?;
+        let places = self.each::<2>(&places, "texture coordinates", count)?;
         for (vertex, place) in self.faces.polygons.paint[first..].iter_mut().zip(places) {
             vertex.place = placed.transform_point2(DVec2::from_array(place));
         }
@@ -373,7 +352,7 @@ impl Reader<'_> {
     /// Returns the vertex of each corner of a primitive with `count` vertices.
     fn corners(&self, primitive: &Primitive<'_>, count: usize) -> Result<Vec<usize>, String> {
         let Some(indices) = primitive.indices() else { return Ok((0..count).collect()) };
-        let indices = self.source.numbers::<1>(&indices, "indices")?;
+        let indices = self.numbers::<1>(&indices, "indices")?;
         let corner = |[index]: [f64; 1]| {
             let corner = Some(index as usize).filter(|corner| *corner < count && index >= 0.0);
             corner.ok_or_else(|| format!("an index is {index}; expected 0…{}", count.saturating_sub(1)))
@@ -399,9 +378,9 @@ impl Reader<'_> {
         let image = texture.source().ok_or("a texture has no image; expected one")?;
         let read;
         let bytes = match image.source() {
-            image::Source::View { view, .. } => self.source.view(&view)?,
+            image::Source::View { view, .. } => self.view(&view)?,
             image::Source::Uri { uri, .. } => {
-                read = self.source.at(uri)?;
+                read = self.at(uri)?;
                 &read
             }
         };
@@ -412,6 +391,15 @@ impl Reader<'_> {
         let texels = pixels.pixels().map(|pixel| pixel.0.map(|code| lights[usize::from(code)])).collect();
         let wrap = [texture.sampler().wrap_s(), texture.sampler().wrap_t()];
         Ok(Arc::new(Texture { width: pixels.width(), height: pixels.height(), texels, wrap }))
+    }
+}
+
+/// Returns the corners of each triangle.
+fn triangles(mode: Mode, corners: &[usize]) -> Vec<[usize; 3]> {
+    match mode {
+        Mode::Triangles => corners.as_chunks().0.to_vec(),
+        Mode::TriangleStrip => strip_triangles(corners),
+        _ => corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]]).collect(),
     }
 }
 

@@ -133,7 +133,9 @@ fn parse_in(
     let is_named = Path::new(file).extension().is_none_or(|name| name.eq_ignore_ascii_case("obj"));
     let mut lines = text.split(|byte| matches!(byte, b'\n' | b'\r'));
     let (faces, expected) = if content.starts_with(b"glTF") || text.starts_with(b"{") {
-        (gltf::parse(folder, file, content, normals == Normals::Given)?, "at least one primitive with triangles")
+        let faces = gltf::parse(folder, content, normals == Normals::Given);
+        let faces = faces.map_err(|message| FileErrors::whole(file, message))?;
+        (faces, "at least one primitive with triangles")
     } else if text.starts_with(b"ply\n") || text.starts_with(b"ply\r") {
         (ply::parse(file, content)?, "an element \"face\" with a list \"vertex_indices\"")
     } else if is_other || !is_named && !lines.any(|line| line.trim_ascii_start().starts_with(b"f ")) {
