@@ -116,13 +116,13 @@ fn judged(arguments: &Arguments, writer: &Writer, is_folder: bool, bar: &Bar) ->
                 let message = "writes sRGB's primaries, but the picture has others; expected a picture of sRGB";
                 return Err(RequestError::value("dither_out", message).into());
             }
-            store::image::write_codes(writer, path, &found.picture_dithered, &found.transfers)?;
+            store::image::write_codes(writer, path, &found.picture_dithered, &found.transfers, None)?;
         }
         return Ok(vec![Case::of_steps(&found)?]);
     }
     let found = request.pair(None, bar)?;
     if let Some(path) = map {
-        store::image::write_codes(writer, path, &found.picture_of_map(), &Transfer::Srgb.into())?;
+        store::image::write_codes(writer, path, &found.picture_of_map(), &Transfer::Srgb.into(), None)?;
     }
     Ok(vec![Case::of_pair(&request.picture, found.picture.clone(), Ok(found))?])
 }

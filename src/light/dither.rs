@@ -360,12 +360,7 @@ impl FromStr for Screen {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let parsed = with_number(text, 1..=MAX_BITS).map(|(matrix, bits)| Self { matrix, bits });
-        parsed.ok_or_else(|| {
-            format!(
-                "{text:?} is not a halftone; expected bayer2, bayer4, bayer8, bayer16, clustered2 or clustered3, a colon and 1…8 bits, such as clustered3:1"
-            )
-        })
+        with_number(text, DitherMatrix::NAMES, 1..=MAX_BITS, "bits").map(|(matrix, bits)| Self { matrix, bits })
     }
 }
 

@@ -395,7 +395,7 @@ impl Found {
         let differences = seal::differences(&paths.csv, &sidecar, &data, frames.as_deref());
         if changes == Changes::Refuse && !differences.is_empty() {
             let errors = differences.into_iter().map(|(_, error)| error);
-            return Err(StoreError::Altered(FileErrors(errors.collect())));
+            return Err(StoreError::Refused(FileErrors(errors.collect()), "accept_changes"));
         }
         let mismatch = |what: String| FileErrors::whole(&paths.csv, what);
         let course = Course::new(protocol, identity, sidecar.seed).map_err(|error| mismatch(error.to_string()))?;
