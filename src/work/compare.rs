@@ -395,9 +395,14 @@ impl Compared {
 }
 
 impl Steps {
-    /// True if the steps of the picture in 8 bits are below threshold.
+    /// Returns how visible the steps of the picture in 8 bits are.
+    pub fn in_8_bits(&self) -> f64 {
+        self.rounded.unwrap_or(self.steps)
+    }
+
+    /// True if these are below threshold.
     pub fn is_below(&self) -> bool {
-        self.rounded.unwrap_or(self.steps) < 1.0
+        self.in_8_bits() < 1.0
     }
 
     /// Says what is unusual about the codes.
