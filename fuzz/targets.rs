@@ -133,7 +133,7 @@ fn text(content: &[u8]) -> Option<&str> {
 /// Nothing but the content of a file in memory can be wrong.
 fn of_file(error: StoreError) -> FileErrors {
     match error {
-        StoreError::FileErrors(errors) | StoreError::LargeImage(errors) => errors,
+        StoreError::FileErrors(errors) | StoreError::Refused(errors, _) => errors,
         error => panic!("{error}"),
     }
 }

@@ -101,7 +101,8 @@ def in_python(message: str, known: Iterable[str]) -> str:
     """Return a message of the library with arguments in place of options, and the nearest of the values it expects."""
     argument = {name.removesuffix("_deg").replace("_", "-"): name for name in known}
     message = message.replace(", --levels", "").replace("the options of", "the arguments of")
-    message = re.sub(r" <[^>]*>|^(\w+) \S+: (?=\1 )", "", message.replace("<FILE|DIR>...", "data")).replace("the option ppd", "ppd")
+    message = re.sub(r" <[^>]*>|^(\w+) \S+: (?=\1 )", "", message.replace("<FILE|DIR>...", "data"))
+    message = re.sub(r"the option (ppd|transfer)\b", r"\1", message)
     message = re.sub(r"--([a-z-]+)", lambda found: argument.get(found[1], found[0]), message)
     message = re.sub(r", or the option (\w+)$", r", or \1=True", message)
     renamed = {"vertices": "n_vertices", "screen width": "screen_cm", "distance": "distance_cm"}

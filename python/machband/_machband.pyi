@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 __version__: Final[str]
+MAX_SIZE: Final[int]
 
 _Path = str | PathLike[str]
 _Fields = dict[str, str | bool | list[str]]

@@ -22,9 +22,6 @@ if TYPE_CHECKING:
     from ._vision import Prediction
     from .stimuli import Parameters
 
-#: Largest side of a picture in pixels.
-MAX_SIDE = 16384
-
 Codes = npt.NDArray[np.uint8] | npt.NDArray[np.uint16]
 Floats = npt.NDArray[np.float64]
 
@@ -253,7 +250,7 @@ class Stimulus:
         **parameters
             The parameters of the kind, as in `stimulus`.
         """
-        shape = None if size is None else _pair("size", size, lambda name, side: whole(name, side, 1, MAX_SIDE))
+        shape = None if size is None else _pair("size", size, _side)
         degrees = None if visual_size is None else _pair("visual_size", visual_size, _positive)
         density = None if ppd is None else _positive("ppd", ppd)
         if degrees and density:
@@ -262,7 +259,7 @@ class Stimulus:
             if np.abs(np.subtract(pixels, wanted)).max() > 1e-6 or shape not in (None, wanted):
                 expected = "expected whole pixels, and no size or the same"
                 raise _machband.Error(f"ppd times visual_size is {_one_or_both(pixels)}, size {size}; {expected}")
-            shape = _pair("ppd times visual_size", wanted, lambda name, side: whole(name, side, 1, MAX_SIDE))
+            shape = _pair("ppd times visual_size", wanted, _side)
         shape = shape or (1024, 1024)
         longest = max(shape)
         if degrees is None or isinstance(visual_size, (int, float, np.number)):
@@ -396,6 +393,11 @@ def _pair(name: str, given: Any, checked: Callable[[str, Any], N]) -> tuple[N, N
 
 def _one_or_both(pair: tuple[N, N]) -> N | tuple[N, N]:
     return pair[0] if pair[0] == pair[1] else pair
+
+
+def _side(name: str, given: object) -> int:
+    """Return a side in pixels."""
+    return whole(name, given, 1, _machband.MAX_SIZE)
 
 
 def _positive(name: str, given: object) -> float:

@@ -107,4 +107,8 @@ mod _machband {
     #[pymodule_export]
     #[allow(non_upper_case_globals)]
     const __version__: &str = env!("CARGO_PKG_VERSION");
+
+    /// Largest side of a picture in pixels.
+    #[pymodule_export]
+    const MAX_SIZE: u32 = machband::stimulus::recipe::MAX_SIZE;
 }

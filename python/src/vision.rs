@@ -50,7 +50,7 @@ type Predicted = (Option<(f64, f64, f64, (f64, f64))>, f64, Option<f64>, Option<
 #[pyfunction]
 pub fn predict(py: Python<'_>, fields: Fields, kind: &str, parameters: Given) -> PyResult<Predicted> {
     let (request, stimulus) = (request::<Predict>(fields)?, stimulus_of(kind, parameters)?);
-    let (found, _) = job::run(py, None, false, move |job| request.one(Some(&stimulus), job))?;
+    let (found, _) = job::run(py, None, false, move |job| request.one(Some(stimulus), job))?;
     let (ramp, difference) = match found.visible {
         Visible::Ramp(bands) => (Some((bands.bright, bands.dark, bands.blur_deg, bands.at_deg.into())), None),
         Visible::Surface(difference) => (None, Some(difference)),

@@ -116,13 +116,13 @@ fn judged(arguments: &Arguments, writer: &Writer, is_folder: bool, bar: &Bar) ->
                 let message = "writes sRGB's primaries, but the picture has others; expected a picture of sRGB";
                 return Err(RequestError::value("dither_out", message).into());
             }
-            store::image::write_codes(writer, path, &found.picture_dithered, &found.transfers)?;
+            store::image::write_codes(writer, path, &found.picture_dithered, &found.transfers, None)?;
         }
         return Ok(vec![Case::of_steps(&found)?]);
     }
     let found = request.pair(None, bar)?;
     if let Some(path) = map {
-        store::image::write_codes(writer, path, &found.picture_of_map(), &Transfer::Srgb.into())?;
+        store::image::write_codes(writer, path, &found.picture_of_map(), &Transfer::Srgb.into(), None)?;
     }
     Ok(vec![Case::of_pair(&request.picture, found.picture.clone(), Ok(found))?])
 }
@@ -166,14 +166,11 @@ impl Case {
     fn of_steps(found: &Steps) -> anyhow::Result<Self> {
         let keep = found.bits > 8 && found.steps < 1.0;
         let better = if keep { format!("keep {} bits", found.bits) } else { "write 16 bits".to_owned() };
-        let remedy = if found.is_below() && found.is_edges {
-            "what is judged is below threshold".to_owned()
-        } else if found.is_below() {
-            "the steps are below threshold: no dither is needed".to_owned()
-        } else if found.dithered < found.rounded.unwrap_or(found.steps) {
-            format!("{better}, or dither to 8 (--dither-out)")
-        } else {
-            format!("dither would be more visible than the steps: {better}")
+        let remedy = match (found.is_below(), found.is_edges) {
+            (true, true) => "what is judged is below threshold".to_owned(),
+            (true, false) => "the steps are below threshold: no dither is needed".to_owned(),
+            _ if found.dithered < found.in_8_bits() => format!("{better}, or dither to 8 (--dither-out)"),
+            _ => format!("dither would be more visible than the steps: {better}"),
         };
         let rounded = found.rounded.map_or_else(String::new, |times| format!("; rounded to 8 bits {times:.3}"));
         let line = format!(

@@ -105,7 +105,7 @@ pub(super) fn shade(arguments: &ShadeArguments, writer: &Writer) -> anyhow::Resu
     let shaded = shaded?;
     shaded.notes.iter().for_each(|note| message("note", note));
     if let (Some(path), Some(codes)) = (out, &shaded.picture) {
-        store::image::write_shaded(writer, path, codes, &shaded.transfers, &shaded.description)?;
+        store::image::write_codes(writer, path, codes, &shaded.transfers, Some(&shaded.description))?;
     }
     if let (Some(path), Some(found)) = (metrics, &shaded.metrics) {
         writer.write(path, format!("{}\n", serde_json::to_string_pretty(found)?).as_bytes())?;

@@ -33,7 +33,7 @@ use crate::{
 };
 
 /// How to choose between two codes. Written `none`, `ordered`, `ordered:MATRIX` with the name of a [`DitherMatrix`],
-/// `blue-noise` or `random`; the text does not include the seed of `random`.
+/// `blue-noise` or `random`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Dither {
     /// The nearest code, in encoded space: no dither.
@@ -47,18 +47,7 @@ pub enum Dither {
     /// 2 × 2 quarter of a tile has one in each quarter of (0, 1). Which pixel gets which stratum, and where the
     /// threshold lies within it, is random. The mean of 16 × 16 pixels is off by up to 0.14 code with plain white
     /// noise, but by less than 0.1 code here.
-    Random {
-        /// The seed of the pattern.
-        seed: u64,
-    },
-}
-
-impl Dither {
-    /// Returns this dither with the seed `seed`; a dither that is not random stays the same.
-    #[must_use]
-    pub const fn with_seed(self, seed: u64) -> Self {
-        if let Dither::Random { .. } = self { Dither::Random { seed } } else { self }
-    }
+    Random,
 }
 
 impl fmt::Display for Dither {
@@ -68,7 +57,7 @@ impl fmt::Display for Dither {
             Dither::Ordered(matrix) if *matrix == DitherMatrix::default() => f.write_str("ordered"),
             Dither::Ordered(matrix) => write!(f, "ordered:{matrix}"),
             Dither::BlueNoise => f.write_str("blue-noise"),
-            Dither::Random { .. } => f.write_str("random"),
+            Dither::Random => f.write_str("random"),
         }
     }
 }
@@ -82,7 +71,7 @@ impl FromStr for Dither {
             ("none", _) => Ok(Dither::None),
             ("ordered", _) => Ok(Dither::Ordered(DitherMatrix::default())),
             ("blue-noise", _) => Ok(Dither::BlueNoise),
-            ("random", _) => Ok(Dither::Random { seed: 1 }),
+            ("random", _) => Ok(Dither::Random),
             (_, Some(matrix)) => {
                 matrix.parse().map(Dither::Ordered).map_err(|error: DitherMatrixError| error.to_string())
             }
@@ -258,18 +247,19 @@ enum Source {
 }
 
 impl Thresholds {
-    /// Makes the thresholds for an image of `width` pixels per row. Returns `None` if there is no dither.
-    pub fn new(dither: &Dither, width: u32) -> Option<Self> {
+    /// Makes the thresholds for an image of `width` pixels per row; `seed` is that of random ones. Returns `None` if there is
+    /// no dither.
+    pub fn new(dither: Dither, seed: u64, width: u32) -> Option<Self> {
         let width = width as usize;
         let periodic = |size: u32, ranks: Vec<u16>| Source::Periodic {
             size: size as usize,
             thresholds: ranks.into_iter().map(|rank| from_rank(rank, size)).collect(),
         };
-        let source = match *dither {
+        let source = match dither {
             Dither::None => return None,
             Dither::Ordered(matrix) => periodic(matrix.size(), matrix.ranks()),
             Dither::BlueNoise => periodic(MASK_SIZE, mask()),
-            Dither::Random { seed } => Source::Tiled {
+            Dither::Random => Source::Tiled {
                 tiles: Box::new(Tiles(ChaCha8Rng::seed_from_u64(seed))),
                 at: None,
                 band: vec![[0.0; STRATA]; width.div_ceil(TILE as usize)],
@@ -360,12 +350,7 @@ impl FromStr for Screen {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let parsed = with_number(text, 1..=MAX_BITS).map(|(matrix, bits)| Self { matrix, bits });
-        parsed.ok_or_else(|| {
-            format!(
-                "{text:?} is not a halftone; expected bayer2, bayer4, bayer8, bayer16, clustered2 or clustered3, a colon and 1…8 bits, such as clustered3:1"
-            )
-        })
+        with_number(text, DitherMatrix::NAMES, 1..=MAX_BITS, "bits").map(|(matrix, bits)| Self { matrix, bits })
     }
 }
 

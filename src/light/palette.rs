@@ -72,12 +72,7 @@ impl FromStr for Reduction {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let parsed = with_number(text, 1..=MAX_COLORS).map(|(reducer, colors)| Self { reducer, colors });
-        parsed.ok_or_else(|| {
-            format!(
-                "{text:?} is not a palette; expected popularity or median-cut, a colon and 1…256 colors, such as median-cut:16"
-            )
-        })
+        with_number(text, Reducer::NAMES, 1..=MAX_COLORS, "colors").map(|(reducer, colors)| Self { reducer, colors })
     }
 }
 

@@ -153,19 +153,19 @@ impl Quantizer {
 
     /// Returns the codes of a whole image, without dither.
     pub fn quantize(&self, image: &LinearImage) -> CodeImage {
-        self.quantize_with(image, &Dither::None)
+        self.quantize_with(image, Dither::None, 0)
     }
 
     /// Returns the codes of a whole image. Each is one of the two codes that enclose its value, chosen by `dither` so
     /// that the mean light is right; without dither, it is the nearest.
     ///
     /// The red, green and blue of a pixel share a threshold. [`dither`](super::dither) lists the properties of every
-    /// kind.
-    pub fn quantize_with(&self, image: &LinearImage, dither: &Dither) -> CodeImage {
+    /// kind. Only [`Dither::Random`] has a seed.
+    pub fn quantize_with(&self, image: &LinearImage, dither: Dither, seed: u64) -> CodeImage {
         let samples = match self.bits {
             // An 8-bit code fits: the largest is 255.
-            Bits::Eight => Samples::Eight(self.in_threads(image, dither, |code| code as u8)),
-            Bits::Sixteen => Samples::Sixteen(self.in_threads(image, dither, |code| code)),
+            Bits::Eight => Samples::Eight(self.in_threads(image, (dither, seed), |code| code as u8)),
+            Bits::Sixteen => Samples::Sixteen(self.in_threads(image, (dither, seed), |code| code)),
         };
         CodeImage { width: image.width, height: image.height, samples }
     }
@@ -173,7 +173,7 @@ impl Quantizer {
     fn in_threads<T: Clone + Default + Send>(
         &self,
         image: &LinearImage,
-        dither: &Dither,
+        (dither, seed): (Dither, u64),
         sample: impl Fn(u16) -> T + Sync,
     ) -> Vec<T> {
         /// Rows per block: a multiple of the tile height of a random dither.
@@ -182,7 +182,7 @@ impl Quantizer {
         let mut samples = vec![T::default(); image.data.len() / 3 * 3];
         let blocks = samples.par_chunks_mut(ROWS * width).zip(image.data.par_chunks(ROWS * width)).enumerate();
         blocks.for_each_init(
-            || Thresholds::new(dither, image.width),
+            || Thresholds::new(dither, seed, image.width),
             |thresholds, (block, (samples, light))| {
                 checkpoint();
                 for (row, (samples, light)) in samples.chunks_mut(width).zip(light.chunks(width)).enumerate() {

@@ -289,18 +289,23 @@ impl FromStr for Transfers {
     }
 }
 
-/// Transfer functions as files store them: as text, as the points of a table, or, if the channels differ, as one of these
-/// for each of red, green and blue.
+/// A transfer function as files store it.
 #[derive(Serialize, Deserialize)]
-#[serde(
-    untagged,
-    deny_unknown_fields,
-    expecting = "transfer is neither text nor a table with encoded and linear; expected one of these, or a list of three"
-)]
+#[serde(untagged, deny_unknown_fields)]
 enum Form {
     Text(String),
     Table { encoded: Vec<f64>, linear: Vec<f64> },
-    Each([Box<Form>; 3]),
+}
+
+/// The transfer functions of all channels, or of each of red, green and blue.
+#[derive(Serialize, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "transfer is neither text nor a table with encoded and linear; expected one of these, or a list of three"
+)]
+enum Forms {
+    All(Form),
+    Each([Form; 3]),
 }
 
 impl Form {
@@ -313,36 +318,27 @@ impl Form {
         }
     }
 
-    fn transfers(self) -> Result<Transfers, String> {
+    fn read<T: FromStr<Err = String> + From<Transfer>>(self) -> Result<T, String> {
         match self {
-            Self::Text(text) => {
-                text.parse::<Transfers>().map_err(|error| format!("{error} (or a table with encoded and linear)"))
-            }
+            Self::Text(text) => text.parse().map_err(|error| format!("{error} (or a table with encoded and linear)")),
             Self::Table { encoded, linear } => TransferTable::new(encoded, linear).map(|it| Transfer::Table(it).into()),
-            Self::Each(channels) => {
-                let one = |form: Box<Form>| {
-                    let transfers = form.transfers()?;
-                    transfers
-                        .uniform()
-                        .cloned()
-                        .ok_or("a channel has three transfer functions; expected one".to_owned())
-                };
-                let [red, green, blue] = channels.map(one);
-                Ok(Transfers([red?, green?, blue?]))
-            }
         }
     }
 }
 
 impl Serialize for Transfers {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let form = self.uniform().map(Form::of);
-        form.unwrap_or_else(|| Form::Each(self.0.each_ref().map(|own| Box::new(Form::of(own))))).serialize(serializer)
+        let each = || Forms::Each(self.0.each_ref().map(Form::of));
+        self.uniform().map_or_else(each, |all| Forms::All(Form::of(all))).serialize(serializer)
     }
 }
 
 impl<'de> Deserialize<'de> for Transfers {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        Form::deserialize(deserializer)?.transfers().map_err(D::Error::custom)
+        let read = match Forms::deserialize(deserializer)? {
+            Forms::All(all) => all.read(),
+            Forms::Each([red, green, blue]) => red.read().and_then(|red| Ok(Self([red, green.read()?, blue.read()?]))),
+        };
+        read.map_err(D::Error::custom)
     }
 }

@@ -276,7 +276,7 @@ impl Area for Picture {
         let light = self.sized(self.gallery.show.light(content), side);
         let codes = match self.gallery.show {
             ShownAs::Codes => Quantizer::new(&Transfer::Srgb.into(), Bits::Eight).quantize(&light),
-            ShownAs::Display if content.is_fine => quantizer.quantize_with(&light, &Dither::BlueNoise),
+            ShownAs::Display if content.is_fine => quantizer.quantize_with(&light, Dither::BlueNoise, 0),
             ShownAs::Display => quantizer.quantize(&light),
         };
         let pixel = |x, y| {

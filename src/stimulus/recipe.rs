@@ -65,9 +65,9 @@ impl Recipe {
 
     /// Returns the codes. `quantizer` must have the transfer functions and the bits of this recipe.
     pub fn codes(&self, quantizer: &Quantizer) -> CodeImage {
-        match &self.dither {
+        match self.dither {
             Dither::None => self.stimulus.codes(self.size, quantizer),
-            dither => quantizer.quantize_with(&self.linear(), &dither.with_seed(self.seed)),
+            dither => quantizer.quantize_with(&self.linear(), dither, self.seed),
         }
     }
 
@@ -79,7 +79,7 @@ impl Recipe {
         let strongest = stimulus.strongest_channel();
         let light = stimulus.profile(size);
         let row = LinearImage::from_fn(size, 1, |i, _| light[i as usize]);
-        let codes = quantizer.quantize_with(&row, &self.dither.with_seed(self.seed));
+        let codes = quantizer.quantize_with(&row, self.dither, self.seed);
         let column = |name: &str, unit: &str, description: &str, cell: &dyn Fn(u32) -> Cell| Column {
             cells: (0..size).map(cell).collect(),
             ..Column::new(name, unit, description)

@@ -189,12 +189,9 @@ pub enum StoreError {
     /// There is nothing to resume.
     #[error("{}: no such session; expected an interrupted session", .0.display())]
     NothingToResume(PathBuf),
-    /// Files were changed after a session ended.
-    #[error(transparent)]
-    Altered(FileErrors),
-    /// An image has more pixels than usual.
-    #[error(transparent)]
-    LargeImage(FileErrors),
+    /// Files are refused unless the option of this name is given.
+    #[error("{0}")]
+    Refused(FileErrors, &'static str),
     /// A file cannot be parsed.
     #[error(transparent)]
     FileErrors(#[from] FileErrors),
@@ -212,8 +209,7 @@ impl StoreError {
         match self {
             Self::Exists(_) => Some("resume"),
             Self::Occupied(_) => Some("force"),
-            Self::Altered(_) => Some("accept_changes"),
-            Self::LargeImage(_) => Some("large"),
+            Self::Refused(_, option) => Some(option),
             _ => None,
         }
     }
@@ -221,7 +217,7 @@ impl StoreError {
     /// Converts the error to a list of errors in the file at `path`.
     pub(crate) fn errors(self, path: &Path) -> Vec<FileError> {
         match self {
-            Self::FileErrors(FileErrors(errors)) | Self::LargeImage(FileErrors(errors)) => errors,
+            Self::FileErrors(FileErrors(errors)) | Self::Refused(FileErrors(errors), _) => errors,
             Self::Io { path, action, source } => {
                 vec![FileError::whole(path, format!("cannot {action}: {source}; expected {}", expected(&source)))]
             }

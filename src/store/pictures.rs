@@ -117,7 +117,7 @@ fn picture(folder: &Path, file: &str) -> Result<PictureFile, StoreError> {
     let is_fine = picture.codes.bytes().is_none();
     let codes = if is_fine {
         let srgb = Transfer::Srgb.into();
-        Quantizer::new(&srgb, Bits::Eight).quantize_with(&picture.codes.light(&srgb), &Dither::BlueNoise)
+        Quantizer::new(&srgb, Bits::Eight).quantize_with(&picture.codes.light(&srgb), Dither::BlueNoise, 0)
     } else {
         picture.codes
     };

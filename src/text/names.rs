@@ -110,10 +110,19 @@ macro_rules! named {
 }
 pub(crate) use named;
 
-/// Parses a name and a number within `range`, joined by a colon.
-pub(crate) fn with_number<T: FromStr>(text: &str, range: RangeInclusive<u32>) -> Option<(T, u32)> {
-    let (name, number) = text.split_once(':')?;
-    Some((name.parse().ok()?, number.parse().ok().filter(|number| range.contains(number))?))
+/// Parses one of `names` and a number of `what` within `range`, joined by a colon.
+pub(crate) fn with_number<T: FromStr>(
+    text: &str,
+    names: &[&str],
+    range: RangeInclusive<u32>,
+    what: &str,
+) -> Result<(T, u32), String> {
+    let number = |text: &str| text.parse().ok().filter(|number| range.contains(number));
+    let parsed = text.split_once(':').and_then(|(name, of)| Some((name.parse().ok()?, number(of)?)));
+    parsed.ok_or_else(|| {
+        let (all, first, least, most) = (names.join(", "), names[0], range.start(), range.end());
+        format!("{text:?} is not known; expected {all}, a colon and {least}…{most} {what}, such as {first}:{most}")
+    })
 }
 
 /// Makes serde store these types as their text.

@@ -229,14 +229,14 @@ impl Compare {
         let quantizer = Quantizer::new(&picture.transfers, Bits::Eight);
         let shown = picture.codes.light(&picture.transfers);
         // A picture of 16 bits is what it is; its steps in 8 bits are what dither would hide.
-        let source = if levels.bits == 16 { shown.clone() } else { smooth.clone() };
-        let dithered = quantizer.quantize_with(&source, &Dither::BlueNoise);
+        let source = if levels.bits == 16 { &shown } else { &smooth };
+        let dithered = quantizer.quantize_with(source, Dither::BlueNoise, 0);
         let viewing = self.viewing(&encoded, width);
         let cd_m2 = |image: &LinearImage| viewing.luminances(image, picture.weights);
         let of_codes = |codes: &CodeImage| cd_m2(&codes.light(&picture.transfers));
-        let (shown, reference, target) = (cd_m2(&shown), cd_m2(&smooth), cd_m2(&source));
+        let rounded = (levels.bits > 8).then(|| of_codes(&quantizer.quantize(source)));
+        let (shown, reference, target) = (cd_m2(&shown), cd_m2(&smooth), cd_m2(source));
         let grain = of_codes(&dithered);
-        let rounded = (levels.bits > 8).then(|| of_codes(&quantizer.quantize_with(&source, &Dither::None)));
         watcher.stage("comparing");
         let judge = viewing.judge(size, &reference).map_err(|error| wrong(&name, &error))?;
         let largest = |shown: &[f64], reference: &[f64]| {
@@ -395,9 +395,14 @@ impl Compared {
 }
 
 impl Steps {
-    /// True if the steps of the picture in 8 bits are below threshold.
+    /// Returns how visible the steps of the picture in 8 bits are.
+    pub fn in_8_bits(&self) -> f64 {
+        self.rounded.unwrap_or(self.steps)
+    }
+
+    /// True if these are below threshold.
     pub fn is_below(&self) -> bool {
-        self.rounded.unwrap_or(self.steps) < 1.0
+        self.in_8_bits() < 1.0
     }
 
     /// Says what is unusual about the codes.

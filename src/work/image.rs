@@ -140,11 +140,6 @@ pub struct Image {
 }
 
 impl Image {
-    /// Returns the dither with its seed.
-    pub fn dither(&self) -> Dither {
-        self.dither.with_seed(self.seed)
-    }
-
     /// Returns the complete description of an image of this stimulus.
     ///
     /// # Errors

@@ -86,21 +86,14 @@ impl Predict {
     ///
     /// # Errors
     /// A value is impossible, a file cannot be read, or the picture is too large, too small or all black.
-    pub fn one(&self, given: Option<&Stimulus>, watcher: &dyn Watcher) -> anyhow::Result<(Prediction, Table)> {
+    pub fn one(&self, given: Option<Stimulus>, watcher: &dyn Watcher) -> anyhow::Result<(Prediction, Table)> {
         let (encoded, criterion) = (self.encoded(watcher)?, self.criterion()?);
-        let drawn;
-        let stimulus = match given {
-            Some(stimulus) => stimulus,
-            None => {
-                drawn = self.drawn.stimulus()?;
-                &drawn
-            }
-        };
-        let size = self.size_of(stimulus)?;
+        let stimulus = given.map_or_else(|| self.drawn.stimulus(), Ok)?;
+        let size = self.size_of(&stimulus)?;
         let viewing = self.viewing(&encoded, size, ViewingConditions::WINDOW_DEG);
         let wrong = |error| self.unseen(stimulus.kind(), &error);
-        let visible = viewing.visible(&[stimulus], Some(size)).map_err(wrong)?.remove(0);
-        let detection = viewing.detection(stimulus).map_err(wrong)?;
+        let visible = viewing.visible(&[&stimulus], Some(size)).map_err(wrong)?.remove(0);
+        let detection = viewing.detection(&stimulus).map_err(wrong)?;
         let rating = criterion.as_ref().and_then(|criterion| Some(criterion.mean(visible.rated()?)));
         let kind = Column::new("stimulus", "", "Kind of stimulus.");
         let kind = Column { cells: vec![stimulus.kind().into()], ..kind };
@@ -108,7 +101,7 @@ impl Predict {
             |parameter: &Parameter| Column { cells: vec![stimulus.get(parameter.name).into()], ..column(parameter) };
         let columns = std::iter::once(kind).chain(stimulus.parameters().iter().map(value)).collect();
         let found = Prediction { visible, detection, rating };
-        let table = table(columns, std::slice::from_ref(&found), stimulus, criterion.is_some());
+        let table = table(columns, std::slice::from_ref(&found), &stimulus, criterion.is_some());
         Ok((found, table))
     }
 

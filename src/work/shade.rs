@@ -336,7 +336,11 @@ impl Shade {
         let picture = wanted.picture.then(|| {
             let image = drawing.image();
             notes.extend(clipped(&image));
-            Quantizer::new(&encoded.transfers, self.image.bits).quantize_with(&image, &self.image.dither())
+            Quantizer::new(&encoded.transfers, self.image.bits).quantize_with(
+                &image,
+                self.image.dither,
+                self.image.seed,
+            )
         });
         let metrics = wanted.metrics.then(|| drawing.metrics(viewing, description.clone(), &mut notes)).transpose()?;
         Ok(Shaded { picture, metrics, transfers: encoded.transfers, description, notes })
@@ -351,7 +355,8 @@ impl Shade {
         notes.extend(composition.bodies.iter().enumerate().filter_map(of_body));
         let image = composition.image(self.image.size, self.image.size);
         notes.extend(clipped(&image));
-        let picture = Quantizer::new(&transfers, self.image.bits).quantize_with(&image, &self.image.dither());
+        let picture =
+            Quantizer::new(&transfers, self.image.bits).quantize_with(&image, self.image.dither, self.image.seed);
         let description = json!({ "scene": scene.display().to_string(), "size": self.image.size, "toml": text });
         Ok(Shaded { picture: Some(picture), metrics: None, transfers, description, notes })
     }

@@ -79,7 +79,7 @@ pub fn command(recipe: &Recipe) -> String {
         transfer: (!is_default).then(|| transfers.clone()),
         display: transfers.has_table().then(|| "PROFILE.toml".into()),
     };
-    let seed = if matches!(dither, Dither::Random { .. }) { *seed } else { 1 };
+    let seed = if *dither == Dither::Random { *seed } else { 1 };
     let image = Image { size: *size, encoding, bits: *bits, dither: *dither, seed };
     let request = Render { drawn: Drawn::of(stimulus), image, palette: None, halftone: None };
     super::command("stimulus", &request, &["--out", "stimulus.png"])

@@ -79,16 +79,6 @@ fn times(found: &Value) -> f64 {
     found["times_threshold"].as_f64().unwrap_or_else(|| panic!("{found}"))
 }
 
-fn xy(x: u32, y: u32) -> (png::ScaledFloat, png::ScaledFloat) {
-    (png::ScaledFloat::from_scaled(x), png::ScaledFloat::from_scaled(y))
-}
-
-/// Primaries with sRGB's white and blue.
-fn primaries(red: [u32; 2], green: [u32; 2]) -> png::SourceChromaticities {
-    let [red, green] = [red, green].map(|[x, y]| xy(x, y));
-    png::SourceChromaticities { white: xy(31_270, 32_900), red, green, blue: xy(15_000, 6_000) }
-}
-
 /// A gray picture with soft waves; `change` is added to the pixels of a square in the middle.
 fn waves(side: u32, change: i16) -> impl Fn(u32) -> u8 {
     move |i: u32| {
@@ -202,7 +192,9 @@ fn pictures_mean_what_they_say() {
     // Primaries may come with an exponent or alone. These are sRGB's in another order.
     let ramp: Vec<u8> = (0..64 * 64).flat_map(|i| [40, 200 - (i % 64) as u8, 90]).collect();
     let turned: Vec<u8> = ramp.chunks_exact(3).flat_map(|pixel| [pixel[1], pixel[0], pixel[2]]).collect();
-    let primaries = primaries([30_000, 60_000], [64_000, 33_000]);
+    let [white, red, green, blue] = [[31_270, 32_900], [30_000, 60_000], [64_000, 33_000], [15_000, 6_000]]
+        .map(|pair| pair.map(png::ScaledFloat::from_scaled).into());
+    let primaries = png::SourceChromaticities { white, red, green, blue };
     for (name, gamma, said) in
         [("alone", None, "cHRM chunk (with sRGB's curve)"), ("both", Some(45_455), "gAMA and cHRM chunks")]
     {

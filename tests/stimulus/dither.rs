@@ -12,11 +12,11 @@ use machband::light::{
 
 use super::transfers;
 
-/// Returns every kind of dither, the random kind with several seeds.
-fn dithers() -> Vec<Dither> {
-    let random = [1, 2, 99].map(|seed| Dither::Random { seed });
+/// Returns every kind of dither with a seed, the random kind with several.
+fn dithers() -> Vec<(Dither, u64)> {
+    let random = [1, 2, 99].map(|seed| (Dither::Random, seed));
     let ordered = DitherMatrix::ALL.iter().copied().map(Dither::Ordered);
-    [Dither::BlueNoise].into_iter().chain(random).chain(ordered).collect()
+    [Dither::BlueNoise].into_iter().chain(ordered).map(|dither| (dither, 1)).chain(random).collect()
 }
 
 // Matrices.
@@ -55,17 +55,17 @@ fn matrices_match_the_published_ones() {
 
 /// Returns the thresholds of the first `size` × `size` pixels, row by row.
 fn thresholds(dither: Dither, size: u32) -> Vec<f64> {
-    let mut rows = Thresholds::new(&dither, size).unwrap();
+    let mut rows = Thresholds::new(dither, 1, size).unwrap();
     (0..size).flat_map(|y| rows.row(y).to_vec()).collect()
 }
 
 /// Each rank occurs once. The tests of the mask's generator, in `tools`, check how the blue-noise mask is made.
 #[test]
 fn thresholds_are_spread_over_the_open_interval() {
-    for dither in dithers().into_iter().filter(|dither| !matches!(dither, Dither::Random { .. })) {
+    for (dither, _) in dithers().into_iter().filter(|(dither, _)| *dither != Dither::Random) {
         let period = if let Dither::Ordered(matrix) = dither { matrix.size() } else { MASK_SIZE };
         let mut all = thresholds(dither, period);
-        let mut rows = Thresholds::new(&dither, 200).unwrap();
+        let mut rows = Thresholds::new(dither, 1, 200).unwrap();
         let first = rows.row(5)[3];
         assert_eq!(first, rows.row(5 + 9 * period)[3 + period as usize], "{dither} repeats");
         all.sort_unstable_by(f64::total_cmp);
@@ -73,14 +73,14 @@ fn thresholds_are_spread_over_the_open_interval() {
         // Each of the equal parts of (0, 1) contains one threshold; none is at an end.
         assert!((0..).zip(&all).all(|(i, t)| *t > 0.0 && (t * count).floor() == f64::from(i)), "{dither}");
     }
-    assert!(Thresholds::new(&Dither::None, 7).is_none());
+    assert!(Thresholds::new(Dither::None, 1, 7).is_none());
 }
 
 /// ChaCha8 and its use are pinned: another order would make different stimuli from the same seed. The four numbers come
 /// from a Python script that implements ChaCha8 after Bernstein and the seed expansion of rand_core 0.10.
 #[test]
 fn random_thresholds_are_pinned_and_stratified() {
-    let mut rows = Thresholds::new(&Dither::Random { seed: 1 }, 1024).unwrap();
+    let mut rows = Thresholds::new(Dither::Random, 1, 1024).unwrap();
     let found = [(0, 0), (1, 0), (5, 2), (1023, 1023)].map(|(x, y)| rows.row(y)[x]);
     assert_eq!(
         found,
@@ -88,7 +88,7 @@ fn random_thresholds_are_pinned_and_stratified() {
     );
     let mut orders = BTreeSet::new();
     for seed in 0..4 {
-        let mut rows = Thresholds::new(&Dither::Random { seed }, 256).unwrap();
+        let mut rows = Thresholds::new(Dither::Random, seed, 256).unwrap();
         for tile in [(0, 0), (1, 0), (0, 1), (2, 7), (63, 200)] {
             let order: Vec<u32> =
                 (0..16).map(|i| (rows.row(4 * tile.1 + i / 4)[(4 * tile.0 + i % 4) as usize] * 16.0) as u32).collect();
@@ -134,10 +134,10 @@ fn every_pixel_follows_the_definition() {
     let eight = transfers().into_iter().map(Transfers::from).chain([differing]).map(|t| (t, Bits::Eight));
     for (transfers, bits) in eight.chain([(gamma.into(), Bits::Sixteen)]) {
         let quantizer = Quantizer::new(&transfers, bits);
-        for dither in dithers() {
-            let codes = quantizer.quantize_with(&image, &dither);
+        for (dither, seed) in dithers() {
+            let codes = quantizer.quantize_with(&image, dither, seed);
             assert_eq!((codes.width, codes.height), (width, height));
-            let mut rows = Thresholds::new(&dither, width).unwrap();
+            let mut rows = Thresholds::new(dither, seed, width).unwrap();
             for (x, y) in (0..width * height).map(|i| (i % width, i / width)) {
                 let (light, threshold) = (image.pixel(x, y), rows.row(y)[x as usize]);
                 let expected = [0, 1, 2].map(|i| by_definition(&quantizer, i, light[i], threshold));

@@ -23,8 +23,7 @@ use crate::{
 /// The choices for the side of the image, physical pixels.
 const SIZES: [u32; 5] = [256, 384, 512, 768, 1024];
 /// The choices for the dither.
-const DITHERS: [Dither; 4] =
-    [Dither::None, Dither::Ordered(DitherMatrix::Bayer8), Dither::BlueNoise, Dither::Random { seed: 1 }];
+const DITHERS: [Dither; 4] = [Dither::None, Dither::Ordered(DitherMatrix::Bayer8), Dither::BlueNoise, Dither::Random];
 /// Width of the column of controls and, in it, of the labels, points.
 const CONTROLS: f32 = 360.0;
 const LABELS: f32 = 100.0;

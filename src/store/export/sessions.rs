@@ -110,7 +110,10 @@ pub(super) fn read(
     }
     FileErrors::none(wrong)?;
     let changed: Vec<FileError> = sessions.iter().flat_map(|session| session.changed.iter().cloned()).collect();
-    if changed.is_empty() || accept_changes { Ok(sessions) } else { Err(StoreError::Altered(FileErrors(changed))) }
+    if changed.is_empty() || accept_changes {
+        return Ok(sessions);
+    }
+    Err(StoreError::Refused(FileErrors(changed), "accept_changes"))
 }
 
 /// Returns the reasons why a readable session must not be exported.

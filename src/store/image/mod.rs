@@ -8,4 +8,4 @@ mod write;
 pub use picture::{ASSUMED, MAX_PIXELS, Picture, listed, parse_picture, read_picture};
 pub(super) use read::recipe_text;
 pub use read::{verify, verify_content};
-pub use write::{describe, hash, recipe_png, write_codes, write_recipe, write_shaded};
+pub use write::{describe, hash, recipe_png, write_codes, write_recipe};

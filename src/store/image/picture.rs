@@ -98,8 +98,9 @@ pub fn parse_picture(
     if let Some(transfers) = transfers {
         return Ok(Picture { bits, significant_bits, ..Picture::given(codes, transfers.clone()) });
     }
-    undamaged(content, &info).map_err(|message| FileErrors::whole(name, message))?;
-    let (transfers, weights, origin) = declared(&info).map_err(|message| FileErrors::whole(name, message))?;
+    let unclear = |message| StoreError::Refused(FileErrors::whole(name, message), "transfer");
+    undamaged(content, &info).map_err(unclear)?;
+    let (transfers, weights, origin) = declared(&info).map_err(unclear)?;
     Ok(Picture { codes, transfers, weights, origin, bits, significant_bits })
 }
 
@@ -113,9 +114,10 @@ fn undamaged(content: &[u8], info: &Info<'_>) -> Result<(), String> {
         ("cICP", info.coding_independent_code_points.is_some()),
     ];
     let is_there = |name: &str| chunks(content).any(|(kind, _)| kind == name.as_bytes());
-    known.into_iter().find(|(name, is_read)| !is_read && is_there(name)).map_or(Ok(()), |(name, _)| {
-        Err(format!("has a damaged {name} chunk; expected what its codes mean, or --transfer"))
-    })
+    known
+        .into_iter()
+        .find(|(name, is_read)| !is_read && is_there(name))
+        .map_or(Ok(()), |(name, _)| Err(format!("has a damaged {name} chunk; expected what its codes mean")))
 }
 
 /// Returns the name and the data of each chunk of a PNG.
@@ -147,7 +149,7 @@ fn orientation(exif: &[u8]) -> Option<usize> {
 fn declared(info: &Info<'_>) -> Result<(Transfers, [f64; 3], &'static str), String> {
     if let Some(points) = info.coding_independent_code_points {
         return Err(format!(
-            "has a cICP chunk (primaries {}, transfer {}), which is not supported and comes before all others; expected a file without it, or --transfer",
+            "has a cICP chunk (primaries {}, transfer {}), which is not supported and comes before all others; expected a file without it",
             points.color_primaries, points.transfer_function
         ));
     }
@@ -181,15 +183,13 @@ fn of_primaries(given: png::SourceChromaticities) -> Result<[f64; 3], String> {
     let xy = |(x, y): (png::ScaledFloat, png::ScaledFloat)| [x, y].map(|part| f64::from(part.into_scaled()) / 1e5);
     let [red, green, blue, white] = [given.red, given.green, given.blue, given.white].map(xy);
     let weights = Primaries { red, green, blue, white }.weights();
-    weights
-        .ok_or_else(|| "has a cHRM chunk of impossible primaries; expected those of a screen, or --transfer".to_owned())
+    weights.ok_or_else(|| "has a cHRM chunk of impossible primaries; expected those of a screen".to_owned())
 }
 
 /// Reads the curves of a color profile, and how bright its primaries are.
 fn of_profile(profile: &[u8], is_gray: bool) -> Result<(Transfers, [f64; 3]), String> {
-    let fail = |what: &str| {
-        format!("has a color profile {what}; expected a gray profile, or one with a matrix and curves, or --transfer")
-    };
+    let fail =
+        |what: &str| format!("has a color profile {what}; expected a gray profile, or one with a matrix and curves");
     if profile.len() > MAX_PROFILE {
         return Err(fail("that is too large"));
     }
@@ -227,7 +227,7 @@ fn of_profile(profile: &[u8], is_gray: bool) -> Result<(Transfers, [f64; 3]), St
     if is_gray != gray {
         let [own, other] = if is_gray { ["colors", "gray"] } else { ["gray", "colors"] };
         return Err(format!(
-            "has a color profile for {own}, but its pixels are {other}; expected a profile for {other}, or --transfer"
+            "has a color profile for {own}, but its pixels are {other}; expected a profile for {other}"
         ));
     }
     if is_gray {

@@ -58,7 +58,7 @@ pub(super) fn decode(
     }
     if u64::from(width) * u64::from(height) > pixels {
         let message = format!("has {width} × {height} pixels; expected at most {pixels} pixels");
-        return Err(StoreError::LargeImage(FileErrors::whole(name, message)));
+        return Err(StoreError::Refused(FileErrors::whole(name, message), "large"));
     }
     if info.animation_control.is_some_and(|animation| animation.num_frames > 1) {
         return Err(fail("is animated; expected one picture".to_owned()));

@@ -55,32 +55,24 @@ pub fn recipe_png(path: &Path, recipe: &Recipe, quantizer: &Quantizer) -> Result
     png.map_err(|error| failed(path, error))
 }
 
-/// Writes the image of a shaded mesh, together with the `parameters` it was made with.
+/// Writes codes for a screen with these transfer functions; of a shaded mesh, with the `parameters` it was made with.
 ///
 /// # Errors
 /// The same errors as [`Writer::write`].
-pub fn write_shaded(
+pub fn write_codes(
     writer: &Writer,
     path: &Path,
     image: &CodeImage,
     transfers: &Transfers,
-    parameters: &serde_json::Value,
+    parameters: Option<&serde_json::Value>,
 ) -> Result<(), StoreError> {
     // Text chunks are Latin-1, but the path of a mesh may contain any character; JSON can escape it in ASCII.
     let escape = |c: char| {
         let units = |c: char| c.encode_utf16(&mut [0; 2]).iter().map(|u| format!("\\u{u:04x}")).collect::<String>();
         if c.is_ascii() { c.to_string() } else { units(c) }
     };
-    let text = parameters.to_string().chars().map(escape).collect();
-    save(writer, path, encode(image, transfers, &[(SHADED_KEYWORD, text)]))
-}
-
-/// Writes codes for a screen with these transfer functions, without a recipe.
-///
-/// # Errors
-/// The same errors as [`Writer::write`].
-pub fn write_codes(writer: &Writer, path: &Path, image: &CodeImage, transfers: &Transfers) -> Result<(), StoreError> {
-    save(writer, path, encode(image, transfers, &[]))
+    let text = parameters.map(|given| (SHADED_KEYWORD, given.to_string().chars().map(escape).collect()));
+    writer.write(path, &encode(image, transfers, text.as_slice()).map_err(|error| failed(path, error))?)
 }
 
 /// Returns the SHA-256 of an image's codes, in lowercase hexadecimal. The order is row by row from the top left, with
@@ -91,10 +83,6 @@ pub fn hash(image: &CodeImage) -> String {
 
 fn failed(path: &Path, error: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> StoreError {
     io(path, "encode")(std::io::Error::other(error))
-}
-
-fn save(writer: &Writer, path: &Path, png: Result<Vec<u8>, png::EncodingError>) -> Result<(), StoreError> {
-    writer.write(path, &png.map_err(|error| failed(path, error))?)
 }
 
 /// Returns the recipe as the text that an image contains.

@@ -398,7 +398,7 @@ impl Found {
             return Err(missing(&paths.sidecar).into());
         }
         if changes == Changes::Refuse && !recorded.changed.is_empty() {
-            return Err(StoreError::Altered(FileErrors(recorded.changed)));
+            return Err(StoreError::Refused(FileErrors(recorded.changed), "accept_changes"));
         }
         let (errors, replayed) = (&recorded.row_errors, &recorded.replayed);
         if let Some(first) = errors.first().filter(|_| replayed.iter().all(Option::is_none)) {

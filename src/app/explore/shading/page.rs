@@ -338,7 +338,7 @@ impl ShadingPage {
             // As on the screen, but without overlays.
             let sides = self.shown(pictures).each_ref().map(|side| &side.codes);
             let image = divided(sides, self.settings.column(sides[0].width));
-            store::image::write_codes(writer, path, &image, &pictures.wanted.transfers)
+            store::image::write_codes(writer, path, &image, &pictures.wanted.transfers, None)
         });
         saving.show(ui);
         self.saving = saving;
