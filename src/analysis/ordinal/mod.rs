@@ -32,7 +32,7 @@ mod resampling;
 mod search;
 pub mod terms;
 
-pub use calibration::{Calibration, FEW_FOR_LIKELIHOOD_RATIOS, ModelReport, fit_calibrated, fit_with_tests};
+pub use calibration::{Calibration, FEW_FOR_LIKELIHOOD_RATIOS, ModelReport, fit_with_tests};
 pub use checks::{Checks, Order, Proportion};
 pub use estimates::{Prediction, fit};
 pub use interactions::{Interaction, LEAST_FOR_SIGNS};

@@ -39,7 +39,7 @@ impl Default for Sampling {
 /// A definition, an observer and a model: everything except the number of participants.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    scenario: Scenario,
+    pub scenario: Scenario,
     pub spec: ModelSpec,
     /// The hypotheses and their tests.
     pub hypotheses: Vec<Hypothesis>,
@@ -103,15 +103,6 @@ impl Plan {
         Ok(Self { scenario, spec, hypotheses })
     }
 
-    pub fn observer(&self) -> &OrderedLogit {
-        &self.scenario.observer
-    }
-
-    /// Returns how much the simulated people differ in the effects.
-    pub fn slopes(&self) -> &[Slope] {
-        &self.scenario.slopes
-    }
-
     /// Returns the simulated slopes if the model of several participants allows for none, so that its p values are too small.
     /// If only the design allows for none, the test is withheld.
     pub fn unmodeled(&self) -> impl Iterator<Item = &Slope> {
@@ -119,7 +110,7 @@ impl Plan {
             self.scenario.outline.factor(&slope.factor).is_some_and(|(_, factor)| factor.levels.len() > 1)
         };
         let has_none = self.spec.slopes == Slopes::None;
-        self.slopes().iter().filter(move |slope| has_none && slope.sd > 0.0 && varies(slope))
+        self.scenario.slopes.iter().filter(move |slope| has_none && slope.sd > 0.0 && varies(slope))
     }
 
     /// Returns the number of studies without an effect that calibrate its likelihood ratio, or `None` if the χ²
@@ -189,13 +180,13 @@ impl Plan {
         progress: &(dyn Fn(u64) + Sync),
     ) -> Vec<f64> {
         // The model of one participant has no random effects.
-        let slopes = if people > 1 && self.spec.slopes != Slopes::None { self.slopes() } else { &[] };
+        let slopes = if people > 1 && self.spec.slopes != Slopes::None { &self.scenario.slopes[..] } else { &[] };
         let ratio = |study: u32| {
             let counts = self.scenario.study((predictors, slopes), false, people, study, seed);
             let fitted = fit_counts(&counts, &self.spec, false).ok();
-            let test = fitted.and_then(|fitted| without_term(&fitted, term).ok());
+            let ratio = fitted.and_then(|fitted| without_term(&fitted, term).chi_squared);
             progress(people.into());
-            test.and_then(|test| test.chi_squared).unwrap_or(f64::NAN)
+            ratio.unwrap_or(f64::NAN)
         };
         (0..studies).into_par_iter().map(ratio).collect()
     }
@@ -222,10 +213,10 @@ type Outcome = (Option<f64>, Option<Withheld>);
 fn outcomes(counts: &Counts, spec: &ModelSpec, hypotheses: &[Hypothesis], nulls: &[Option<Vec<f64>>]) -> Vec<Outcome> {
     // Omit the standard errors: likelihood-ratio tests do not need them.
     let fitted = fit_counts(counts, spec, false).ok();
-    let tests = fitted.as_ref().and_then(|fitted| without_terms(fitted, recoded(fitted, false).as_ref()).ok());
+    let tests = fitted.as_ref().map(|fitted| without_terms(fitted, recoded(fitted, false).as_ref()));
     let probability = |hypothesis: &Hypothesis, null: &Option<Vec<f64>>| {
         let mut test = tests.iter().flatten().find(|test| test.term == hypothesis.term)?.clone();
-        null.iter().for_each(|ratios| test.calibrate(ratios));
+        null.iter().for_each(|ratios| test.calibrate(ratios, false));
         test.p
     };
     let withheld = |hypothesis: &Hypothesis| fitted.as_ref()?.withheld(&hypothesis.term);
