@@ -131,7 +131,7 @@ impl Fitted<'_> {
 /// Tests each term by the likelihood ratio against the model without it: a term that is part of a larger one in the [`recoded`]
 /// model. If a combination of levels has no ratings, such a term has no test, because the sum contrasts would depend on the order
 /// of the levels.
-pub(crate) fn without_terms(full: &Fitted, recoded: Option<&Fitted>) -> Vec<TermTest> {
+pub(super) fn without_terms(full: &Fitted, recoded: Option<&Fitted>) -> Vec<TermTest> {
     let test = |(place, term): (usize, &Term)| {
         let withheld = full.untestable(term);
         let model = if full.spec.terms.is_marginal(term) { recoded } else { Some(full) };
@@ -149,7 +149,7 @@ pub(crate) fn without_terms(full: &Fitted, recoded: Option<&Fitted>) -> Vec<Term
 
 /// Returns the same model in sum contrasts, in which a term that is part of a larger one is its mean effect over the other
 /// variables (type III). None if there is no such term, or if these contrasts allow no fit.
-pub(crate) fn recoded<'a>(full: &Fitted<'a>, errors: bool) -> Option<Fitted<'a>> {
+pub(super) fn recoded<'a>(full: &Fitted<'a>, errors: bool) -> Option<Fitted<'a>> {
     full.spec.terms.iter().find(|term| full.spec.terms.is_marginal(term))?;
     let x = full.x.with_dropped().in_sum_contrasts(&full.frame).ok()?;
     let recoded = full.with_columns(x, How { errors, ..How::default() });

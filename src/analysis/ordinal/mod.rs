@@ -47,5 +47,5 @@ pub use model::{
 pub use resampling::Resampling;
 
 pub(super) use design::{Design, Span, check_size};
-pub(super) use fitting::fit_counts;
-pub(super) use likelihood_ratios::{recoded, without_term, without_terms};
+pub(super) use fitting::{Fitted, fit_counts};
+pub(super) use likelihood_ratios::without_term;

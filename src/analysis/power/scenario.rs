@@ -272,17 +272,14 @@ impl Scenario {
     /// tests of the remaining factors.
     pub(super) fn hypotheses(&self, frame: &Frame, terms: &Terms) -> Result<Vec<Hypothesis>, PlanError> {
         let (mut hypotheses, mut seen) = (Vec::new(), BTreeSet::new());
+        let mut friedman = |factor| seen.insert(factor).then(|| self.of_factor(frame, factor))?;
         for term in terms.iter().filter(|term| !terms.is_marginal(term)) {
             hypotheses.push(self.of_term(frame, terms, term)?);
             if let [factor] = self.factors(term)[..] {
-                hypotheses.extend(seen.insert(factor).then(|| self.of_factor(frame, factor)).flatten());
+                hypotheses.extend(friedman(factor));
             }
         }
-        for term in terms.iter() {
-            for factor in self.factors(term) {
-                hypotheses.extend(seen.insert(factor).then(|| self.of_factor(frame, factor)).flatten());
-            }
-        }
+        hypotheses.extend(terms.iter().flat_map(|term| self.factors(term)).filter_map(friedman));
         Ok(hypotheses)
     }
 
