@@ -189,7 +189,14 @@ impl ClmData {
                 end = FitEnd::Separated(direction);
                 break;
             }
-            let Some(next) = self.halve(&parameters, &current, &step) else {
+            let slack = 1e-13 * current.loglik.abs();
+            // The first point that does not lower the likelihood.
+            let next = halved(|factor| {
+                let candidate = &parameters + &step * factor;
+                let there = (candidate != parameters).then(|| self.derivatives(&candidate))?;
+                (there.loglik >= current.loglik - slack).then_some((candidate, there))
+            });
+            let Some(next) = next else {
                 // Rounding errors limit the precision; this is the best possible.
                 if gradient < 1e3 * tolerance {
                     end = FitEnd::Converged;
@@ -209,16 +216,6 @@ impl ClmData {
             parameters,
             end,
         }
-    }
-
-    /// Tries the full step and then repeatedly halves it. Returns the first point that does not lower the likelihood.
-    fn halve(&self, from: &DVector<f64>, at: &Derivatives, step: &DVector<f64>) -> Option<(DVector<f64>, Derivatives)> {
-        let slack = 1e-13 * at.loglik.abs();
-        halved(|factor| {
-            let candidate = from + step * factor;
-            let there = (candidate != *from).then(|| self.derivatives(&candidate))?;
-            (there.loglik >= at.loglik - slack).then_some((candidate, there))
-        })
     }
 }
 

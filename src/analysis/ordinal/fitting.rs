@@ -121,11 +121,6 @@ pub(super) struct Layout {
     pub row_of: Vec<usize>,
 }
 
-/// Lays out the data of the mixed model.
-pub(super) fn layout(fitted: &Fitted) -> Layout {
-    lay_out(fitted, fitted.random.is_crossed())
-}
-
 /// Lays out the data of the mixed model; as if each participant had effects of their own if not `crossed`.
 pub(super) fn lay_out(fitted: &Fitted, crossed: bool) -> Layout {
     let frame = &fitted.frame;
@@ -186,7 +181,7 @@ const FAR: f64 = 10.0;
 /// Fits the mixed model, starting from the estimates of the model without random effects. Coefficients without a
 /// finite estimate stay fixed, because their ratings are predicted perfectly for any participant.
 fn fit_mixed(fitted: &Fitted, near: Option<&Fitted>, how: How<'_>) -> Option<Fit> {
-    let Layout { data, .. } = layout(fitted);
+    let Layout { data, .. } = lay_out(fitted, fitted.random.is_crossed());
     if fitted.infinite().any(|(index, _)| index < data.thresholds()) {
         return None;
     }

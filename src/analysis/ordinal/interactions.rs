@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
-    fitting::{Fitted, Layout, fit_terms, layout},
+    fitting::{Fitted, Layout, fit_terms, lay_out},
     likelihood_ratios::{LEAST_PER_PARAMETER, TermTest, Withheld, without_term},
     model::ModelSpec,
     resampling::{Resampling, simulate},
@@ -134,7 +134,7 @@ struct Residuals {
 
 impl Residuals {
     fn of(full: &Fitted) -> Self {
-        let Layout { data, .. } = layout(full);
+        let Layout { data, .. } = lay_out(full, false);
         let parameters = full.searched(&data);
         let modes = full.usable().map_or_else(|| data.modes(), |mixed| mixed.modes.clone());
         let mut information = DVector::zeros(data.x.nrows());

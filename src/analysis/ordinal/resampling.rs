@@ -21,7 +21,7 @@ use super::{
     clmm::ClmmData,
     design::Design,
     estimates::finite_estimates,
-    fitting::{Fitted, How, Layout, lay_out, layout},
+    fitting::{Fitted, How, Layout, lay_out},
     likelihood_ratios::is_decided,
     link::Link,
     terms::Term,
@@ -177,7 +177,7 @@ fn order_of_draws(fitted: &Fitted, weights: &[Vec<(usize, f64)>], own: usize) ->
 impl<'a> Simulator<'a> {
     /// Lays out a fit. If `corrected`, standard deviations are corrected for the means that are estimated.
     pub fn new(fitted: &'a Fitted<'a>, corrected: bool) -> Self {
-        let Layout { data, .. } = layout(fitted);
+        let Layout { data, .. } = lay_out(fitted, fitted.random.is_crossed());
         let mut parameters = fitted.searched(&data);
         if !fitted.random.correlated {
             // A seed gives the same studies, whatever the signs.
