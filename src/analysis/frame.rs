@@ -4,7 +4,10 @@ use std::collections::BTreeSet;
 
 use super::{
     counts::{CountRow, Counts, Factor},
-    ordinal::{ModelError, ModelSpec, Note, terms::Variable},
+    ordinal::{
+        ModelError, ModelSpec, Note,
+        terms::{Term, Variable},
+    },
 };
 
 /// The rows of a table that have all values that the terms need.
@@ -13,8 +16,8 @@ pub(super) struct Frame<'a> {
     pub counts: &'a Counts,
     /// The rows, with `subject` and `rating` renumbered to the values that occur.
     pub rows: Vec<CountRow>,
-    /// Names of the participants that occur.
-    pub subjects: Vec<String>,
+    /// The participants that occur, as in the table.
+    pub subjects: Vec<u32>,
     /// Names of the categories that occur, starting with the lowest.
     pub categories: Vec<String>,
     /// For each factor, the levels that occur: the baseline, and the others in natural order.
@@ -45,14 +48,7 @@ impl<'a> Frame<'a> {
         let subjects = renumber(&mut rows, |row| &mut row.subject);
         let categories = used_categories(counts, &mut rows, &mut notes)?;
         let levels = (0..counts.factors.len()).map(|factor| present_levels(counts, &rows, factor)).collect();
-        let frame = Self {
-            counts,
-            rows,
-            subjects: subjects.into_iter().map(|index| counts.subjects[index as usize].clone()).collect(),
-            categories,
-            levels,
-        };
-        Ok((frame, notes))
+        Ok((Self { counts, rows, subjects, categories, levels }, notes))
     }
 
     /// Returns the frame with other ratings by the same participants in the same conditions, or `None` if they are all
@@ -68,11 +64,10 @@ impl<'a> Frame<'a> {
         self.rows.iter().map(|row| row.count).sum()
     }
 
-    /// Returns the mean over the ratings of numbers that belong to the levels of a factor.
-    pub fn mean(&self, factor: usize, of_levels: &[f64]) -> f64 {
-        let level = |row: &CountRow| self.counts.conditions[row.condition as usize][factor];
-        let number = |row: &CountRow| level(row).map_or(0.0, |level| of_levels[level as usize]);
-        self.rows.iter().map(|row| row.count as f64 * number(row)).sum::<f64>() / self.total() as f64
+    /// Returns the mean over the ratings of numbers that belong to the conditions.
+    pub fn mean(&self, of_condition: impl Fn(usize) -> f64) -> f64 {
+        let sum: f64 = self.rows.iter().map(|row| row.count as f64 * of_condition(row.condition as usize)).sum();
+        sum / self.total() as f64
     }
 
     /// Returns the conditions that occur.
@@ -127,6 +122,11 @@ pub(crate) fn find_factor(counts: &Counts, variable: &Variable) -> Result<(usize
     }
     let known = counts.factors.iter().map(|factor| factor.name.clone()).collect();
     Err(ModelError::UnknownFactor { name: variable.name().to_owned(), known })
+}
+
+/// Returns the indices of the factors of a term. Those that are not in the table are left out.
+pub(super) fn factors_of(counts: &Counts, term: &Term) -> impl Iterator<Item = usize> {
+    term.variables.iter().filter_map(|variable| Some(find_factor(counts, variable).ok()?.0))
 }
 
 fn needed_factors(counts: &Counts, spec: &ModelSpec) -> Result<BTreeSet<usize>, ModelError> {

@@ -35,7 +35,6 @@ pub use levels::{number_of, numbers_of};
 pub use ordinal::{
     Calibration, Checks, Coefficient, Comparison, FEW_FOR_LIKELIHOOD_RATIOS, Interaction, LEAST_FOR_SIGNS, Link,
     MAX_COEFFICIENTS, Margin, Model, ModelError, ModelReport, ModelSpec, Note, Order, Prediction, Proportion, Random,
-    RandomEffect, RandomSlope, Resampling, Slopes, TermTest, Threshold, Withheld, fit, fit_calibrated, fit_with_tests,
-    terms,
+    RandomEffect, RandomSlope, Resampling, Slopes, TermTest, Threshold, Withheld, fit, fit_with_tests, terms,
 };
 pub use results::{Options, Results, analyze, analyze_with};

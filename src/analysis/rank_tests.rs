@@ -80,8 +80,8 @@ pub struct Friedman {
     pub df: usize,
     /// Probability of a statistic at least as large if each participant's order of the levels were random.
     pub p: f64,
-    /// How the probability was computed.
-    pub method: PMethod,
+    /// Whether the probability is from all possible orders, and not from the χ² distribution.
+    pub is_exact: bool,
     /// Kendall's coefficient of concordance W, corrected for ties: 0 is no agreement, and 1 means that all participants
     /// rank the levels alike.
     pub w: f64,
@@ -111,10 +111,10 @@ pub fn friedman(means: &SubjectMeans) -> Option<Friedman> {
     }
     let chi_squared = squares / most;
     let df = k - 1;
-    let asymptotic = || (chi_squared_tail(chi_squared, df), PMethod::ChiSquared);
-    let (p, method) = exact_probability(&rows).map_or_else(asymptotic, |p| (p, PMethod::Exact));
+    let exact = exact_probability(&rows);
+    let p = exact.unwrap_or_else(|| chi_squared_tail(chi_squared, df));
     let w = chi_squared / (subjects * df as f64);
-    Some(Friedman { subjects: n, chi_squared, df, p, method, w })
+    Some(Friedman { subjects: n, chi_squared, df, p, is_exact: exact.is_some(), w })
 }
 
 /// Returns the probability that the sum of squares of the rank sums is at least as large as observed if each participant's
@@ -187,14 +187,4 @@ pub(crate) fn ranks(values: &[f64], tolerance: f64) -> (Vec<f64>, f64) {
         first += group.len();
     }
     (ranks, ties)
-}
-
-/// How a p value was computed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum PMethod {
-    /// From all possible orders.
-    Exact,
-    /// From the χ² distribution.
-    ChiSquared,
 }

@@ -7,7 +7,7 @@ use super::{
     Calibration, Link, MAX_COEFFICIENTS, Margin, ModelError, ModelReport, ModelSpec, Note, Random, Resampling, Slopes,
     agreement::{Alpha, kappa, mean_kappa, ordinal_alpha},
     counts::{Counts, MAX_LEVELS, Measured},
-    fit_calibrated,
+    fit_with_tests,
     rank_tests::{Friedman, SubjectMeans, friedman},
     summary::{Group, by_cell, by_factor, by_subject},
     terms::{Term, Terms, Variable},
@@ -239,7 +239,7 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
     let agreed = agreed.as_ref().unwrap_or(&measured);
     let (model, (cells, alpha)) = rayon::join(
         || {
-            fit_calibrated(modeled, &spec, &calibration).map(|mut report| {
+            fit_with_tests(modeled, &spec, Some(&calibration)).map(|mut report| {
                 report.model.notes.splice(0..0, nested);
                 report
             })

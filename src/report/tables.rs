@@ -9,7 +9,6 @@ use crate::{
         Interaction, Link, Model, ModelReport, Results, TermTest,
         counts::{CountRow, Counts, Factor},
         number_of,
-        rank_tests::PMethod,
         results::FactorResults,
         summary::{Group, Summary},
     },
@@ -221,19 +220,13 @@ fn test_row(names: [&str; 4], n: u64, numbers: &[Option<f64>], effect_is: &str, 
     names.chain(numbers.map(Cell::from)).chain([effect_is, note].map(Cell::from)).collect()
 }
 
-fn method(method: PMethod) -> &'static str {
-    match method {
-        PMethod::Exact => "exact",
-        PMethod::ChiSquared => "chi-squared approximation",
-    }
-}
-
 fn friedman_row(factor: &FactorResults) -> Option<Vec<Cell>> {
     let test = factor.friedman?;
     let numbers = [Some(test.chi_squared), Some(test.df as f64), Some(test.p), None, Some(test.w)];
+    let method = if test.is_exact { "exact" } else { "chi-squared approximation" };
     let note = match factor.matched.incomplete.len() {
-        0 => method(test.method).to_owned(),
-        n => format!("{}; participants excluded because they did not rate every level: {n}", method(test.method)),
+        0 => method.to_owned(),
+        n => format!("{method}; participants excluded because they did not rate every level: {n}"),
     };
     Some(test_row(["friedman", &factor.name, "", ""], test.subjects as u64, &numbers, "Kendall's W", &note))
 }

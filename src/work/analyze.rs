@@ -87,9 +87,11 @@ pub struct Model {
 }
 
 impl Model {
-    /// Returns the maximum number of coefficients.
-    pub fn max_coefficients(&self) -> usize {
-        if self.large { usize::MAX } else { MAX_COEFFICIENTS }
+    /// Returns the options of an analysis with this model.
+    pub fn options(&self) -> Options {
+        let Self { terms, link, slopes, large } = self.clone();
+        let max_coefficients = Some(if large { usize::MAX } else { MAX_COEFFICIENTS });
+        Options { terms, link, slopes, max_coefficients, ..Options::default() }
     }
 }
 
@@ -264,16 +266,12 @@ impl Analyze {
     /// Returns the options of the analysis of ratings from this source.
     pub fn options(&self, source: &Source) -> Options {
         Options {
-            terms: self.model.terms.clone(),
             covariates: self.covariate.clone().map(|list| list.0),
             items: self.items.clone(),
-            link: self.model.link,
             random: self.random,
-            max_coefficients: Some(self.model.max_coefficients()),
-            slopes: self.model.slopes,
             resampling: self.resampling,
             parameters: source.parameters(),
-            ..Options::default()
+            ..self.model.options()
         }
     }
 

@@ -128,13 +128,13 @@ impl Planned {
 
     /// Says how the simulated participants differ.
     fn differences(&self) -> String {
-        let sd = self.plan.observer().subject_sd;
+        let sd = self.plan.scenario.observer.subject_sd;
         let intercepts = (sd > 0.0).then(|| format!("in their intercepts (sd {})", logits(sd)));
         let known = Some(self.protocol.stimulus.parameters());
         let slope = |slope: &Slope| {
             format!("at each level of {} (sd {})", names::factor(known, &slope.factor), logits(slope.sd))
         };
-        let slopes = self.plan.slopes().iter().filter(|slope| slope.sd > 0.0).map(slope);
+        let slopes = self.plan.scenario.slopes.iter().filter(|slope| slope.sd > 0.0).map(slope);
         let all: Vec<String> = intercepts.into_iter().chain(slopes).collect();
         let differ = if all.is_empty() { "are identical".to_owned() } else { format!("differ {}", list(&all)) };
         format!("The simulated participants {differ}. If real ones differ more, power is lower.")

@@ -12,10 +12,7 @@ use serde::Serialize;
 pub use super::precision::{Precision, Quantity, TaskObserver, TaskPlan};
 use super::{Model, RequestError, Watcher, analyze, request::allow_only};
 use crate::{
-    analysis::{
-        Options,
-        power::{self, Hypothesis, PlanError, Power, Sampling, Shift, Slope, Test},
-    },
+    analysis::power::{self, Hypothesis, PlanError, Power, Sampling, Shift, Slope},
     experiment::{
         Definition, Identity, ObserverParameters as _, OrderedLogit, Protocol, Schedule,
         task::{Pairs, Task},
@@ -253,9 +250,7 @@ impl Plan {
         for effect in parameters {
             set(effect, &mut observer.parameters(), &protocol)?;
         }
-        let Model { terms, link, slopes, .. } = self.model.clone();
-        let max_coefficients = Some(self.model.max_coefficients());
-        let model = Options { terms, link, slopes, max_coefficients, ..Options::default() };
+        let model = self.model.options();
         let plan =
             power::Plan::new(&protocol, &observer, &shifts, &self.slopes(), &model).map_err(RequestError::from)?;
         let sampling = Sampling { studies: self.studies, alpha: self.alpha, seed: self.seed };
@@ -345,13 +340,9 @@ impl Planned {
     /// Returns one row for each number of participants and each test.
     pub fn table(&self) -> Table {
         let spec = &self.plan.spec;
-        let slopes = self.plan.slopes().iter().map(|slope| format!("{}={}", slope.factor, slope.sd));
+        let slopes = self.plan.scenario.slopes.iter().map(|slope| format!("{}={}", slope.factor, slope.sd));
         let slopes = slopes.collect::<Vec<_>>().join(" ");
         let effect = |power: &Power| self.hypothesis(power).effect.as_ref();
-        let test = |power: &Power| match self.hypothesis(power).test {
-            Test::LikelihoodRatio => "likelihood-ratio",
-            Test::Friedman => "friedman",
-        };
         let truth = |power: &Power| if effect(power).is_some() { "effect" } else { "none" };
         let logits = |power: &Power| effect(power).map_or(Some(0.0), |effect| effect.logits);
         let power = |power: &Power| effect(power).map(|_| power.share());
@@ -360,7 +351,7 @@ impl Planned {
             .column("experiment", "Name of the definition.", |_| self.protocol.name.as_str())
             .column("participants", "Number of participants.", |power| power.participants)
             .column("term", "Term or factor that is tested.", |power| self.hypothesis(power).term.to_string())
-            .column("test", "Name of the test.", test)
+            .column("test", "Name of the test.", |power| self.hypothesis(power).test.name())
             .column("truth", "Whether the simulated observer has the effect.", truth)
             .column("effect_logits", "Size of the effect on the latent scale.", logits)
             .in_unit("logit", 1)

@@ -97,17 +97,9 @@ fn medians_of_times_are_exact() {
     let mut builder = MeasuredBuilder::new(&["width"]);
     for (i, count) in (0..10_000).map(|i| (i, 1)).chain([(0, 2)]) {
         let seconds = f64::from(1 + i * 7919 % 10_000) / 1000.0;
-        let response_time_s = Some(seconds);
-        builder
-            .add(&RatingRow {
-                subject: "S1",
-                values: &["1"],
-                rating: "1",
-                count,
-                response_time_s,
-                ..RatingRow::default()
-            })
-            .unwrap();
+        let (values, response_time_s) = (&["1"][..], Some(seconds));
+        let row = RatingRow { subject: "S1", values, rating: "1", count, response_time_s, ..RatingRow::default() };
+        builder.add(&row).unwrap();
     }
     let times = builder.finish().times_by(2, |row| Some(row.subject as usize));
     assert_eq!(times, [Some(5.0), None]);

@@ -4,7 +4,7 @@
 use std::fs;
 
 use machband::analysis::{
-    Coefficient, Link, Model, ModelSpec, Note, Random, Slopes,
+    Link, Model, ModelSpec, Note, Random, Slopes,
     agreement::{kappa, mean_kappa, ordinal_alpha},
     counts::{Counts, MeasuredBuilder},
     fit, fit_with_tests,
@@ -46,31 +46,29 @@ fn spec(record: &Record) -> ModelSpec {
     }
 }
 
-fn coefficient(coefficients: &[Coefficient], name: &str, se: bool) -> f64 {
-    let found = coefficients.iter().find(|c| c.name == name).unwrap_or_else(|| panic!("no coefficient {name}"));
-    if se { found.se.unwrap() } else { found.estimate }
-}
-
 fn value(model: &Model, quantity: &str, name: &str) -> f64 {
     let threshold = || model.thresholds.iter().find(|t| t.name == name).unwrap();
-    let slope = || {
+    let coefficient = || model.coefficients.iter().find(|own| own.name == name).expect(name);
+    // The standard deviation of an effect, and its error.
+    let effect = || {
         let random = model.random.as_ref().unwrap();
-        random.slopes.iter().chain(&random.items).find(|slope| slope.name.replace("num:", "") == name).unwrap()
+        if ["", "(Intercept)"].contains(&name) {
+            return (random.sd, random.se);
+        }
+        let mut effects = random.slopes.iter().chain(&random.items);
+        let own = effects.find(|own| own.name.replace("num:", "") == name).unwrap();
+        (own.sd, own.se)
     };
     match quantity {
         "loglik" => model.loglik,
         "threshold" => threshold().estimate,
         "threshold_se" => threshold().se.unwrap(),
-        "coefficient" => coefficient(&model.coefficients, name, false),
-        "coefficient_se" => coefficient(&model.coefficients, name, true),
+        "coefficient" => coefficient().estimate,
+        "coefficient_se" => coefficient().se.unwrap(),
         // A slope that the design does not support is left out; in these data sets, its standard deviation is 0.
         "sd" if model.notes.iter().any(|note| matches!(note, Note::NoSlope { term, .. } if term == name)) => 0.0,
-        "sd" if !["", "(Intercept)"].contains(&name) => slope().sd,
-        "sd_se" if !["", "(Intercept)"].contains(&name) => {
-            slope().se.unwrap_or_else(|| panic!("{name}: {:?}", model.random))
-        }
-        "sd" => model.random.as_ref().unwrap().sd,
-        "sd_se" => model.random.as_ref().unwrap().se.unwrap_or_else(|| panic!("{name}: {:?}", model.random)),
+        "sd" => effect().0,
+        "sd_se" => effect().1.unwrap_or_else(|| panic!("{name}: {:?}", model.random)),
         "correlation" => {
             let random = model.random.as_ref().unwrap();
             let place = |name: &str| random.slopes.iter().position(|slope| slope.name.replace("num:", "") == name);
@@ -144,7 +142,7 @@ fn likelihood_ratio_tests_match_r() {
     let records = records("tests.csv");
     for records in fits(&records) {
         let (counts, spec) = (counts(&records[0]["data"]), spec(&records[0]));
-        let report = fit_with_tests(&counts, &spec).unwrap();
+        let report = fit_with_tests(&counts, &spec, None).unwrap();
         for record in records {
             let what = format!("{record:?}");
             let test = report.terms.iter().find(|test| test.term.to_string() == record["term"]);
@@ -174,7 +172,7 @@ fn predictions_reproduce_the_observed_proportions() {
     let counts = builder.finish().counts;
     for link in [Link::Logit, Link::Probit] {
         let spec = ModelSpec { link, ..ModelSpec::new(Terms::default()) };
-        let prediction = &fit_with_tests(&counts, &spec).unwrap().predictions[0];
+        let prediction = &fit_with_tests(&counts, &spec, None).unwrap().predictions[0];
         let expected = [8.0, 8.0, 13.0, 13.0].map(|n| n / 42.0);
         let moment = |power: i32| (0..).zip(expected).map(|(k, p)| f64::from(k).powi(power) * p).sum::<f64>();
         assert!(prediction.probabilities.iter().zip(expected).all(|(found, p)| (found - p).abs() < 1e-9));

@@ -97,7 +97,7 @@ fn a_separated_baseline_is_replaced_by_another_level() {
         let mut rows = rows(8, 6, 1.0, 2);
         rows.iter_mut().filter(|row| row.1 == "0.1").for_each(|row| row.3 = 3);
         let spec = spec("width,depth", random);
-        let report = fit_with_tests(&counts(&rows), &spec).unwrap();
+        let report = fit_with_tests(&counts(&rows), &spec, None).unwrap();
         let rebased = Note::Rebased {
             factor: "width".into(),
             baseline: "0.2".into(),
@@ -136,7 +136,7 @@ fn redundant_terms_are_named_and_dropped() {
     assert_eq!(other.notes, [Note::Aliased { column: "width0.4".into() }]);
     let names: Vec<&str> = other.coefficients.iter().map(|c| c.name.as_str()).collect();
     assert_eq!(names, ["width", "width0.2"]);
-    let tests = fit_with_tests(&counts, &spec("width,num:width,depth", Random::None)).unwrap().terms;
+    let tests = fit_with_tests(&counts, &spec("width,num:width,depth", Random::None), None).unwrap().terms;
     assert_eq!((tests[1].df, tests[1].p), (0, None));
 }
 
@@ -170,7 +170,7 @@ fn no_small_table_breaks_a_model() {
         let terms = ["width", "width,depth", "num:width,num:inv_n", "width*depth", ""][rng.random_range(0..5)];
         let random = if rng.random() { Random::Subject } else { Random::None };
         let spec = ModelSpec { link, ..spec(terms, random) };
-        let Ok(report) = fit_with_tests(&counts, &spec) else { continue };
+        let Ok(report) = fit_with_tests(&counts, &spec, None) else { continue };
         let model = &report.model;
         models += 1;
         let what = format!("{spec:?} {model:?} {counts:?}");

@@ -42,7 +42,7 @@ pub fn study<'a>(
     builder.finish()
 }
 
-fn options(terms: Option<&str>) -> Options {
+pub fn options(terms: Option<&str>) -> Options {
     let terms = terms.map(|terms| terms.parse().unwrap());
     Options { terms, resampling: Resampling { draws: 99, seed: 1 }, ..Options::default() }
 }
@@ -118,8 +118,7 @@ fn a_crossed_interaction_leads() {
             let additive = cautions.iter().any(|text| text.contains("The model is additive"));
             assert_eq!(additive, terms.is_none(), "{found}");
             let checks = results.model.as_ref().unwrap().checks.as_ref().unwrap();
-            let outside = |p: &&machband::analysis::Proportion| p.observed < p.range.low || p.observed > p.range.high;
-            let far = checks.proportions.iter().filter(outside).count();
+            let far = checks.proportions.iter().filter(|p| p.is_outside()).count();
             assert!(people < 10 || (far > 4) == terms.is_none(), "{far} cells; {found}");
         }
     }
@@ -501,17 +500,18 @@ fn the_order_of_trials_is_examined() {
                 // One person rates one condition.
                 let random = rng.random_range(0..people.min(2));
                 let level = if is_blocked { 2 * trial / TRIALS } else { random };
-                builder
-                    .add(&RatingRow {
-                        subject: &format!("S{person:02}"),
-                        values: &[["a", "b"][level]],
-                        rating: &rate(latent, &mut rng),
-                        count: 1,
-                        session: "1",
-                        position: Some(trial as f64),
-                        ..RatingRow::default()
-                    })
-                    .unwrap();
+                let (subject, values) = (format!("S{person:02}"), [["a", "b"][level]]);
+                let (rating, position) = (rate(latent, &mut rng), Some(trial as f64));
+                let row = RatingRow {
+                    subject: &subject,
+                    values: &values,
+                    rating: &rating,
+                    count: 1,
+                    session: "1",
+                    position,
+                    ..RatingRow::default()
+                };
+                builder.add(&row).unwrap();
             }
         }
         let results = analyze(builder.finish(), &options(None));

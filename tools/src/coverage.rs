@@ -70,7 +70,7 @@ pub fn recover(random: Random, studies: u32, seed: u64) -> Result<Recovery, Faul
     let spec = ModelSpec { random, ..ModelSpec::new(Terms::factors(&FACTORS)) };
     let subject_sd = if random == Random::Subject { SUBJECT_SD } else { 0.0 };
     let reports = (0..studies).into_par_iter().map(|study| {
-        let report = fit_with_tests(&simulate(subject_sd, seed, study)?, &spec)?;
+        let report = fit_with_tests(&simulate(subject_sd, seed, study)?, &spec, None)?;
         if report.model.converged() { Ok(report) } else { Err(format!("study {study}: no convergence").into()) }
     });
     let reports = reports.collect::<Result<Vec<ModelReport>, Fault>>()?;

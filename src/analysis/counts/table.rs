@@ -194,16 +194,6 @@ impl Counts {
             && people.all(|rows| levels(rows).len() == 1)
     }
 
-    /// Returns the rows with the indices of participants and conditions that `moved` returns, without those for which it
-    /// returns none.
-    fn moved(&self, moved: impl Fn(u32, u32) -> Option<(u32, u32)>) -> Vec<CountRow> {
-        let row = |row: &CountRow| {
-            let (subject, condition) = moved(row.subject, row.condition)?;
-            Some(CountRow { subject, condition, ..*row })
-        };
-        summed(self.rows.iter().filter_map(row).collect())
-    }
-
     /// True if the order of the categories is known: they were declared, or they are numbers. Words in the order of their
     /// letters (high, low, medium) would give a result, but a wrong one.
     pub fn is_ordered(&self, declared: Option<&[String]>) -> bool {
@@ -362,16 +352,30 @@ impl Measured {
         let Counts { subjects, factors, categories, .. } = &self.counts;
         let kept: Vec<usize> = (0..factors.len()).filter(|factor| !left_out.contains(factor)).collect();
         let Combinations { all, of } = self.counts.combinations(&kept);
-        let place = |condition: u32| of[condition as usize] as u32;
         let counts = Counts {
             subjects: subjects.clone(),
             factors: kept.iter().map(|&factor| factors[factor].clone()).collect(),
             categories: categories.clone(),
             conditions: all,
-            rows: self.counts.moved(|subject, condition| Some((subject, place(condition)))),
+            rows: Vec::new(),
         };
-        let trials = self.trials.iter().map(|trial| Trial { condition: place(trial.condition), ..*trial }).collect();
-        Self { counts, trials, excluded: self.excluded.clone() }
+        self.moved(counts, |subject, condition| Some((subject, of[condition as usize] as u32)))
+    }
+
+    /// Returns the ratings in a table without rows, with the indices of participants and conditions there that `moved` returns
+    /// for those here. Ratings for which it returns none are left out.
+    fn moved(&self, to: Counts, moved: impl Fn(u32, u32) -> Option<(u32, u32)>) -> Self {
+        let row = |row: &CountRow| {
+            let (subject, condition) = moved(row.subject, row.condition)?;
+            Some(CountRow { subject, condition, ..*row })
+        };
+        let trial = |trial: &Trial| {
+            let (subject, condition) = moved(trial.subject, trial.condition)?;
+            Some(Trial { subject, condition, ..*trial })
+        };
+        let rows = summed(self.counts.rows.iter().filter_map(row).collect());
+        let trials = self.trials.iter().filter_map(trial).collect();
+        Self { counts: Counts { rows, ..to }, trials, excluded: self.excluded.clone() }
     }
 
     /// Returns the ratings by some participants in some conditions. Levels and participants without ratings are
@@ -394,22 +398,14 @@ impl Measured {
         let renumbered = |levels_of: &Vec<Option<u32>>| {
             levels_of.iter().zip(&levels).map(|(level, kept)| level.map(|level| kept.index(level))).collect()
         };
-        let moved = |s: u32, c: u32| keep(s, c).then(|| (subjects.index(s), conditions.index(c)));
-        let trial = |trial: &Trial| {
-            let (subject, condition) = moved(trial.subject, trial.condition)?;
-            Some(Trial { subject, condition, ..*trial })
+        let left = Counts {
+            subjects: subjects.of(&counts.subjects),
+            factors: factors.collect(),
+            conditions: conditions.of(&counts.conditions).iter().map(renumbered).collect(),
+            categories: counts.categories.clone(),
+            rows: Vec::new(),
         };
-        Self {
-            counts: Counts {
-                subjects: subjects.of(&counts.subjects),
-                factors: factors.collect(),
-                conditions: conditions.of(&counts.conditions).iter().map(renumbered).collect(),
-                categories: counts.categories.clone(),
-                rows: counts.moved(moved),
-            },
-            trials: self.trials.iter().filter_map(trial).collect(),
-            excluded: self.excluded.clone(),
-        }
+        self.moved(left, |s, c| keep(s, c).then(|| (subjects.index(s), conditions.index(c))))
     }
 }
 

@@ -9,17 +9,17 @@ use super::{
     estimates::{self, Prediction, predictions},
     fitting::{Fitted, fit_counts},
     interactions::{Interaction, interactions},
-    likelihood_ratios::{TermTest, Withheld, quantile, recoded, without_terms},
+    likelihood_ratios::{TermTest, recoded, without_terms},
     margins::{self, Comparison, Margin},
-    model::{Model, ModelError, ModelSpec},
-    profile::{self, chi_squared_limit},
+    model::{Coefficient, Model, ModelError, ModelSpec},
+    profile,
     resampling::{Resampling, simulate},
     terms::Term,
 };
 use crate::{
     analysis::{
         counts::{Counts, Trial},
-        frame::{Frame, find_factor},
+        frame::{Frame, factors_of},
     },
     statistics::Interval,
 };
@@ -57,39 +57,6 @@ pub struct ModelReport {
     pub checks: Option<Checks>,
 }
 
-/// Fits a model and computes its tests, with probabilities from the χ² distribution, and its predictions.
-///
-/// # Errors
-/// Returns the same errors as [`fit`](super::fit).
-pub fn fit_with_tests(counts: &Counts, spec: &ModelSpec) -> Result<ModelReport, ModelError> {
-    let full = fit_counts(counts, spec, true)?;
-    let mut report = report_with_tests(&full, recoded(&full, false).as_ref())?;
-    report.comparisons = margins::comparisons(&full, &report.model, &usual_limits(&full), &report.terms);
-    Ok(report)
-}
-
-fn report_with_tests(full: &Fitted, recoded: Option<&Fitted>) -> Result<ModelReport, ModelError> {
-    let model = estimates::report(full);
-    Ok(ModelReport {
-        terms: without_terms(full, recoded)?,
-        interactions: Vec::new(),
-        predictions: predictions(full, &model),
-        margins: margins::margins(full, &model),
-        comparisons: Vec::new(),
-        order: None,
-        checks: None,
-        model,
-    })
-}
-
-/// For each term, the limit of its likelihood ratio for one degree of freedom, which may be simulated, or the reason why
-/// its test is withheld: there are then no intervals or comparisons either.
-pub(super) type Limits = Vec<Result<f64, Withheld>>;
-
-fn usual_limits(full: &Fitted) -> Limits {
-    vec![Ok(chi_squared_limit(1)); full.spec.terms.iter().count()]
-}
-
 /// How to calibrate tests and intervals.
 #[derive(Clone, Copy)]
 pub struct Calibration<'a> {
@@ -102,70 +69,58 @@ pub struct Calibration<'a> {
     pub progress: &'a (dyn Fn(usize, usize) + Sync),
 }
 
-/// Fits a model and computes its tests, intervals and predictions.
+/// Fits a model and computes its tests, intervals and predictions. Without a `calibration`, probabilities and intervals are those
+/// of the χ² and the normal distribution, and neither interactions nor the order of the trials nor the fit are examined.
 ///
 /// # Errors
 /// Returns the same errors as [`fit`](super::fit).
-pub fn fit_calibrated(
+pub fn fit_with_tests(
     counts: &Counts,
     spec: &ModelSpec,
-    calibration: &Calibration<'_>,
+    calibration: Option<&Calibration<'_>>,
 ) -> Result<ModelReport, ModelError> {
     let full = fit_counts(counts, spec, true)?;
-    let recoded = recoded(&full, true);
-    let mut report = report_with_tests(&full, recoded.as_ref())?;
-    for (test, term) in report.terms.iter_mut().zip(full.spec.terms.iter()) {
-        // A distribution that is not accurate even if it is simulated.
-        if let Some(reason) = full.withheld(term) {
-            (test.p, test.withheld) = (None, Some(reason));
+    let recoded = recoded(&full, calibration.is_some());
+    let (mut model, mut terms) = (estimates::report(&full), without_terms(&full, recoded.as_ref()));
+    let mut tested = Vec::new();
+    if let Some(calibration) = calibration {
+        for test in &mut terms {
+            // A distribution that is not accurate even if it is simulated.
+            if let Some(reason) = full.withheld(&test.term) {
+                (test.p, test.withheld) = (None, Some(reason));
+            }
         }
-    }
-    let mut limits = usual_limits(&full);
-    calibrate_tests((&full, recoded.as_ref()), &mut report.terms, &mut limits, calibration);
-    for (limit, test) in limits.iter_mut().zip(&report.terms) {
-        // Where a mean effect has no test, the coefficients of the term are effects in the larger one.
-        let reason = test.withheld.filter(|reason| *reason != Withheld::EmptyCells);
-        *limit = reason.map_or(*limit, Err);
-    }
-    report.interactions = interactions(&full, calibration.resampling);
-    report.order = order(&full, calibration.trials, calibration.resampling.seed);
-    if full.mixed.is_some() && full.frame.subjects.len() < FEW_FOR_LIKELIHOOD_RATIOS {
-        // Wald's test rejects too often.
-        report.model.coefficients.iter_mut().for_each(|coefficient| coefficient.p = None);
-    }
-    profile_coefficients(&full, &mut report.model, &limits);
-    report.comparisons = margins::comparisons(&full, &report.model, &limits, &report.terms);
-    for own in report.comparisons.iter_mut().filter(|own| own.at.is_none() && own.p.is_some()) {
-        // The only difference of a term has the term's probability.
-        let is_own = |test: &&TermTest| test.df == 1 && test.term == Term::factor(&own.factor);
-        if let Some(p) = report.terms.iter().find(is_own).and_then(|test| test.p) {
-            (own.p, own.p_holm) = (Some(p), Some(p));
+        calibrate_tests((&full, recoded.as_ref()), &mut terms, calibration);
+        tested = interactions(&full, calibration.resampling);
+        if full.mixed.is_some() && full.frame.subjects.len() < FEW_FOR_LIKELIHOOD_RATIOS {
+            // Wald's test rejects too often.
+            model.coefficients.iter_mut().for_each(|coefficient| coefficient.p = None);
         }
+        profile_coefficients(&full, &terms, &mut model.coefficients);
     }
-    report.checks = (calibration.checks).then(|| checks::checks(&full, calibration.resampling.seed));
-    Ok(report)
+    let seed = calibration.map_or(0, |calibration| calibration.resampling.seed);
+    Ok(ModelReport {
+        interactions: tested,
+        predictions: predictions(&full, &model),
+        margins: margins::margins(&full, &model),
+        comparisons: margins::comparisons(&full, &model, &terms),
+        order: calibration.and_then(|calibration| order(&full, calibration.trials, seed)),
+        checks: calibration.filter(|calibration| calibration.checks).map(|_| checks::checks(&full, seed)),
+        terms,
+        model,
+    })
 }
 
-/// Replaces the probabilities of the tests of terms by simulated ones, and the limits of the profiles, where they are
-/// simulated.
-fn calibrate_tests(
-    (full, recoded): (&Fitted, Option<&Fitted>),
-    tests: &mut [TermTest],
-    limits: &mut Limits,
-    calibration: &Calibration<'_>,
-) {
-    let terms: Vec<&Term> = full.spec.terms.iter().collect();
-    let is_uncertain = |test: &TermTest| {
+/// Replaces the probabilities and limits of the tests of terms by simulated ones, where they are simulated.
+fn calibrate_tests((full, recoded): (&Fitted, Option<&Fitted>), tests: &mut [TermTest], calibration: &Calibration<'_>) {
+    let is_simulated = |test: &TermTest| {
         let parameters = full.frame.categories.len() - 1 + full.rank() + test.df;
-        full.mixed.is_some() || full.frame.total() < MANY_PER_PARAMETER * parameters as u64
+        let is_uncertain = full.mixed.is_some() || full.frame.total() < MANY_PER_PARAMETER * parameters as u64;
+        test.withheld.is_none() && is_uncertain && needs_simulation(&full.frame, &test.term)
     };
-    let ratio = |place: usize| {
-        let test = &tests[place];
-        let is_simulated = test.withheld.is_none() && is_uncertain(test) && needs_simulation(&full.frame, terms[place]);
-        test.chi_squared.filter(|_| is_simulated).map(|lr| (place, lr))
-    };
-    let places: Vec<(usize, f64)> = (0..terms.len()).filter_map(ratio).collect();
-    if places.is_empty() {
+    let mut tests: Vec<&mut TermTest> = tests.iter_mut().filter(|test| is_simulated(test)).collect();
+    let tested: Vec<(&Term, f64)> = tests.iter().filter_map(|test| Some((&test.term, test.chi_squared?))).collect();
+    if tested.is_empty() {
         return;
     }
     let settings = calibration.resampling;
@@ -174,53 +129,32 @@ fn calibrate_tests(
         let done = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
         (calibration.progress)(done, settings.draws as usize);
     };
-    let tested: Vec<(&Term, f64)> = places.iter().map(|&(place, lr)| (terms[place], lr)).collect();
     let simulated = simulate(full, recoded, &tested, settings, &progress);
-    // If the ratings are separated, those of the simulated studies are too, and their ratios are too small.
     let is_separated = full.infinite().next().is_some();
-    for ((place, _), ratios) in places.into_iter().zip(simulated) {
-        let test = &mut tests[place];
-        let usual = test.p;
-        test.calibrate(&ratios);
-        if is_separated && test.p < usual && test.p.is_some() {
-            (test.p, test.draws, test.p_error) = (usual, None, None);
-        }
-        // The distribution of a ratio with several degrees of freedom differs from χ² by about the same factor.
-        if let Some(simulated) = quantile(&ratios, profile::LEVEL) {
-            let factor = simulated / chi_squared_limit(test.df);
-            limits[place] = limits[place].map(|limit| limit * if is_separated { factor.max(1.0) } else { factor });
-        }
-    }
+    tests.iter_mut().zip(simulated).for_each(|(test, ratios)| test.calibrate(&ratios, is_separated));
 }
 
 /// Returns whether the ratio of a term does not have a χ² distribution with this number of participants. A few who rated
 /// several levels of a factor do not make it one that varies within participants.
 fn needs_simulation(frame: &Frame, term: &Term) -> bool {
-    let mut factors = term.variables.iter().filter_map(|variable| find_factor(frame.counts, variable).ok());
     let people = frame.subjects.len();
-    people < FEW_FOR_LIKELIHOOD_RATIOS
-        || (people < FEW_BETWEEN && factors.any(|(factor, _)| !frame.counts.is_within(factor)))
+    let is_between = || factors_of(frame.counts, term).any(|factor| !frame.counts.is_within(factor));
+    people < FEW_FOR_LIKELIHOOD_RATIOS || people < FEW_BETWEEN && is_between()
 }
 
-fn profile_coefficients(full: &Fitted, model: &mut Model, limits: &Limits) {
-    let columns = &full.x.columns;
-    let profiled = columns.len() <= MAX_PROFILES;
-    model.coefficients.par_iter_mut().enumerate().for_each(|(column, coefficient)| {
-        let Ok(limit) = largest(full, limits, columns[column].term) else {
+fn profile_coefficients(full: &Fitted, tests: &[TermTest], coefficients: &mut [Coefficient]) {
+    let are_profiled = coefficients.len() <= MAX_PROFILES;
+    coefficients.par_iter_mut().enumerate().for_each(|(column, coefficient)| {
+        // The coefficients of a term in an interaction are simple effects, and have their intervals, so that a difference has one
+        // interval.
+        let mut limits = tests.iter().filter(|test| test.term.contains(&coefficient.term)).map(TermTest::limit);
+        let Ok(limit) = limits.try_fold(0.0, |most: f64, limit| limit.map(|limit| most.max(limit))) else {
             coefficient.interval = None;
             return;
         };
-        let profiled = profiled && !full.spec.terms.is_marginal(full.term_of(column));
-        coefficient.interval = (coefficient.se.filter(|_| profiled && coefficient.estimate.is_finite()))
+        let is_profiled = are_profiled && !full.spec.terms.is_marginal(&coefficient.term);
+        coefficient.interval = (coefficient.se.filter(|_| is_profiled && coefficient.estimate.is_finite()))
             .and_then(|se| profile::interval(full, column, coefficient.estimate, se, limit))
             .or_else(|| Interval::around(coefficient.estimate, coefficient.se, limit.sqrt()));
     });
-}
-
-/// Returns the largest limit of a term, given by index, and of those that contain it, or the reason why there is none. The
-/// coefficients of a term in an interaction are simple effects, and have their intervals, so that a difference has one interval.
-fn largest(full: &Fitted, limits: &Limits, term: usize) -> Result<f64, Withheld> {
-    let terms = full.spec.terms.iter().as_slice();
-    let own = terms.iter().zip(limits).filter(|(other, _)| other.contains(&terms[term]));
-    own.map(|(_, limit)| *limit).try_fold(0.0, |most: f64, limit| Ok(most.max(limit?)))
 }

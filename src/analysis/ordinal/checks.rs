@@ -17,12 +17,11 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
-    clm::category_bounds,
+    clm::{Fit, category_bounds},
     clmm::Modes,
     fitting::{Fitted, Layout, lay_out},
     interactions::{LEAST_FOR_SIGNS, sign_test},
     resampling::Simulator,
-    search::MixedFit,
 };
 use crate::{
     analysis::counts::{Combinations, CountRow, Trial},
@@ -179,7 +178,7 @@ fn residuals<'a>(fitted: &'a Fitted, layout: &'a Layout) -> impl Fn(usize, u32, 
     move |subject, condition, category| {
         let (row, slots) = (row_of[condition as usize], data.loadings.slots_per_row);
         let slots = weights[row * slots..(row + 1) * slots].iter();
-        let effect = |mixed: &MixedFit| slots.map(|(slot, weight)| weight * mode(&mixed.modes, subject, *slot)).sum();
+        let effect = |mixed: &Fit| slots.map(|(slot, weight)| weight * mode(&mixed.modes, subject, *slot)).sum();
         let at = location[row] + mixed.map_or(0.0, effect);
         let cell = |category| {
             let (a, b) = category_bounds(&parameters.as_slice()[..data.thresholds()], category);
@@ -235,15 +234,12 @@ fn project(timed: &mut [Timed], design: &DMatrix<f64>) {
 /// Measures how ratings depend on the order of the trials; `None` if no session has several trials with known places.
 pub(super) fn order(fitted: &Fitted, trials: &[Trial], seed: u64) -> Option<Order> {
     let counts = fitted.frame.counts;
-    let place = |names: &[String], name: &String| names.iter().position(|own| own == name);
-    let subjects: Vec<Option<usize>> = counts.subjects.iter().map(|name| place(&fitted.frame.subjects, name)).collect();
-    let categories: Vec<Option<usize>> =
-        counts.categories.iter().map(|name| place(&fitted.frame.categories, name)).collect();
-    let mut occurs = vec![false; counts.conditions.len()];
-    fitted.frame.conditions().into_iter().for_each(|condition| occurs[condition as usize] = true);
-    let mut placed: Vec<(f64, &Trial)> = (trials.iter().filter(|trial| occurs[trial.condition as usize]))
-        .filter_map(|trial| Some((trial.position?, trial)))
-        .collect();
+    let place = |name: &String| fitted.frame.categories.iter().position(|own| own == name);
+    let categories: Vec<Option<usize>> = counts.categories.iter().map(place).collect();
+    let conditions = fitted.frame.conditions();
+    let occurs = |trial: &&Trial| conditions.binary_search(&trial.condition).is_ok();
+    let placed = trials.iter().filter(occurs).filter_map(|trial| Some((trial.position?, trial)));
+    let mut placed: Vec<(f64, &Trial)> = placed.collect();
     let session = |(_, trial): &(f64, &Trial)| (trial.subject, trial.session);
     placed.sort_by(|l, r| session(l).cmp(&session(r)).then(l.0.total_cmp(&r.0)));
     let layout = lay_out(fitted, false);
@@ -252,7 +248,7 @@ pub(super) fn order(fitted: &Fitted, trials: &[Trial], seed: u64) -> Option<Orde
     let mut timed = Vec::new();
     let (mut products, mut expected, mut variance, mut squares) = (0.0, 0.0, 0.0, 0.0);
     for session in placed.chunk_by(|l, r| session(l) == session(r)) {
-        let Some(subject) = subjects[session[0].1.subject as usize] else { continue };
+        let Ok(subject) = fitted.frame.subjects.binary_search(&session[0].1.subject) else { continue };
         let own = |(_, trial): &(f64, &Trial)| {
             let category = categories[usize::from(trial.rating)]?;
             Some((layout.row_of[trial.condition as usize], residual(subject, trial.condition, category)))

@@ -19,27 +19,34 @@ pub(super) struct ClmData {
     pub counts: DMatrix<f64>,
 }
 
-/// How an iteration ended.
+/// How the search for a maximum ended.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum FitEnd {
-    /// The gradient and the last step are small.
+    /// The gradient is small.
     Converged,
     /// The likelihood keeps rising in this direction, without a maximum: the ratings are separated.
     Separated(DVector<f64>),
-    /// The iteration could not continue.
+    /// A standard deviation, or an effect within participants, grows without bound.
+    Diverged,
+    /// The search could not continue.
     Stalled,
 }
 
-/// A maximum of the likelihood.
+/// A maximum of the likelihood, with or without random effects.
 #[derive(Clone, Debug)]
-pub(super) struct ClmFit {
-    /// θ and β, in this order.
+pub(super) struct Fit {
+    /// θ, β and, with random effects, ψ, in this order; a deviation may be negative, with the effects that belong to it.
     pub parameters: DVector<f64>,
     pub loglik: f64,
     /// Largest absolute element of the gradient.
     pub gradient: f64,
-    /// Observed information matrix.
+    /// The indices of the parameters to which the information belongs: those that have finite estimates other than a
+    /// standard deviation of 0.
+    pub free: Vec<usize>,
+    /// Observed information of the free parameters; empty if it was not needed.
     pub information: DMatrix<f64>,
+    /// The modes of the participants' effects; none without random effects.
+    pub modes: Vec<DVector<f64>>,
     pub end: FitEnd,
 }
 
@@ -157,7 +164,7 @@ impl ClmData {
     }
 
     /// Finds the maximum of the likelihood by Newton's method with step halving.
-    pub fn fit(&self) -> ClmFit {
+    pub fn fit(&self) -> Fit {
         const MAX_ITERATIONS: usize = 200;
         let tolerance = tolerance(self.ratings());
         let mut parameters = self.start();
@@ -182,7 +189,14 @@ impl ClmData {
                 end = FitEnd::Separated(direction);
                 break;
             }
-            let Some(next) = self.halve(&parameters, &current, &step) else {
+            let slack = 1e-13 * current.loglik.abs();
+            // The first point that does not lower the likelihood.
+            let next = halved(|factor| {
+                let candidate = &parameters + &step * factor;
+                let there = (candidate != parameters).then(|| self.derivatives(&candidate))?;
+                (there.loglik >= current.loglik - slack).then_some((candidate, there))
+            });
+            let Some(next) = next else {
                 // Rounding errors limit the precision; this is the best possible.
                 if gradient < 1e3 * tolerance {
                     end = FitEnd::Converged;
@@ -191,32 +205,23 @@ impl ClmData {
             };
             (parameters, current) = next;
         }
-        ClmFit {
+        let is_finite = |index: &usize| !matches!(&end, FitEnd::Separated(direction) if direction[*index] != 0.0);
+        let free: Vec<usize> = (0..parameters.len()).filter(is_finite).collect();
+        Fit {
             loglik: current.loglik,
             gradient: current.gradient.amax(),
-            information: current.information,
+            information: current.information.select_rows(&free).select_columns(&free),
+            free,
+            modes: Vec::new(),
             parameters,
             end,
         }
     }
+}
 
-    /// Tries the full step and then repeatedly halves it. Returns the first point that does not lower the likelihood.
-    fn halve(&self, from: &DVector<f64>, at: &Derivatives, step: &DVector<f64>) -> Option<(DVector<f64>, Derivatives)> {
-        let slack = 1e-13 * at.loglik.abs();
-        let mut factor = 1.0;
-        for _ in 0..40 {
-            let candidate = from + step * factor;
-            if candidate == *from {
-                return None;
-            }
-            let there = self.derivatives(&candidate);
-            if there.loglik >= at.loglik - slack {
-                return Some((candidate, there));
-            }
-            factor /= 2.0;
-        }
-        None
-    }
+/// Tries the factor 1 of a step and then repeatedly half of it, and returns the first result.
+pub(super) fn halved<T>(of: impl FnMut(f64) -> Option<T>) -> Option<T> {
+    std::iter::successors(Some(1.0), |factor| Some(factor / 2.0)).take(40).find_map(of)
 }
 
 /// Returns the upper and the lower bound of a category.

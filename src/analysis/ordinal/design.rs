@@ -51,7 +51,12 @@ impl Design {
         for (index, term) in terms.iter().enumerate() {
             for parts in term_parts(frame, terms, term)? {
                 let name = parts.iter().map(ToString::to_string).collect::<Vec<_>>().join(":");
-                columns.push(Column { name, values: products(frame, &parts, false, &[])?, parts, term: index });
+                columns.push(Column {
+                    name,
+                    values: products(frame, &parts, &frame.counts.conditions, Coding::Treatment)?,
+                    parts,
+                    term: index,
+                });
             }
         }
         Ok(Self { columns, dropped: Vec::new(), offset: None })
@@ -99,16 +104,28 @@ impl Design {
         held
     }
 
-    /// Returns the design with other values: with `sums`, those of sum contrasts, in which the columns of a main effect stand for
-    /// the mean effect over the levels of the other factors; these have other names, because their coefficients mean something
-    /// else. The numbers of the factors in `at_means`, given by index, are their means over the ratings.
-    pub fn revalued(&self, frame: &Frame, sums: bool, at_means: &[usize]) -> Result<Self, ModelError> {
+    /// Returns the design in sum contrasts, in which the columns of a main effect stand for the mean effect over the levels of
+    /// the other factors; they have other names, because their coefficients mean something else.
+    pub fn in_sum_contrasts(&self, frame: &Frame) -> Result<Self, ModelError> {
         let mut design = self.clone();
         for column in &mut design.columns {
-            column.values = products(frame, &column.parts, sums, at_means)?;
-            column.name.extend(sums.then_some('~'));
+            column.values = products(frame, &column.parts, &frame.counts.conditions, Coding::Sum)?;
+            column.name.push('~');
         }
         Ok(design)
+    }
+
+    /// Returns the matrix with one row for each of these combinations of the levels of all factors, rated or not. The numbers of
+    /// the factors in `at_means`, given by index, are their means over the ratings.
+    pub fn at(
+        &self,
+        frame: &Frame,
+        combinations: &[Vec<Option<u32>>],
+        at_means: &[usize],
+    ) -> Result<DMatrix<f64>, ModelError> {
+        let values = |column: &Column| products(frame, &column.parts, combinations, Coding::AtMeans(at_means));
+        let columns = self.columns.iter().map(values).collect::<Result<Vec<_>, _>>()?;
+        Ok(DMatrix::from_vec(combinations.len(), columns.len(), columns.concat()))
     }
 
     /// Returns the design with the columns that were dropped.
@@ -179,31 +196,52 @@ fn term_parts(frame: &Frame, terms: &Terms, term: &Term) -> Result<Vec<Vec<TermP
     Ok(columns)
 }
 
-/// Returns the product of a column's variables for each condition of the table: 1 at the level of a factor, or the number.
-/// With `sums`, a factor is −1 at its baseline, and a number is a difference from the mean of its levels. The numbers of the
-/// factors in `at_means`, given by index, are their means over the ratings.
-fn products(frame: &Frame, parts: &[TermPart], sums: bool, at_means: &[usize]) -> Result<Vec<f64>, ModelError> {
-    let mut products = vec![1.0; frame.counts.conditions.len()];
+/// How the value of a column follows from the levels of its factors.
+#[derive(Clone, Copy, PartialEq)]
+enum Coding<'a> {
+    /// 1 at the level of a factor, or the number.
+    Treatment,
+    /// The same, but the numbers of these factors, given by index, are their means over the ratings.
+    AtMeans(&'a [usize]),
+    /// A factor is −1 at its baseline, and a number is a difference from the mean of its levels.
+    Sum,
+}
+
+/// Returns the product of a column's variables for each combination of the levels of all factors.
+fn products(
+    frame: &Frame,
+    parts: &[TermPart],
+    combinations: &[Vec<Option<u32>>],
+    coding: Coding<'_>,
+) -> Result<Vec<f64>, ModelError> {
+    let mut products = vec![1.0; combinations.len()];
     for part in parts {
         let (index, inverse) = find_factor(frame.counts, &part.variable)?;
         let levels = frame.levels(index);
         let of_levels: Vec<f64> = match &part.level {
             Some(own) => {
-                let is_baseline = |level: u32| sums && levels.first() == Some(&level);
+                let is_baseline = |level: u32| coding == Coding::Sum && levels.first() == Some(&level);
                 let names = (0..).zip(&frame.counts.factors[index].levels);
                 names.map(|(level, name)| f64::from(i8::from(name == own) - i8::from(is_baseline(level)))).collect()
             }
             None => {
                 let mut numbers = frame.numbers(index, inverse)?;
-                if at_means.contains(&index) {
-                    let mean = frame.mean(index, &numbers);
-                    numbers.fill(mean);
+                match coding {
+                    Coding::AtMeans(factors) if factors.contains(&index) => {
+                        let level = |condition: usize| frame.counts.conditions[condition][index];
+                        let mean = frame.mean(|own| level(own).map_or(0.0, |level| numbers[level as usize]));
+                        numbers.fill(mean);
+                    }
+                    Coding::Sum => {
+                        let sum: f64 = levels.iter().map(|&level| numbers[level as usize]).sum();
+                        numbers.iter_mut().for_each(|number| *number -= sum / levels.len() as f64);
+                    }
+                    _ => {}
                 }
-                let mean = levels.iter().map(|&level| numbers[level as usize]).sum::<f64>() / levels.len() as f64;
-                numbers.into_iter().map(|number| if sums { number - mean } else { number }).collect()
+                numbers
             }
         };
-        for (product, levels) in products.iter_mut().zip(&frame.counts.conditions) {
+        for (product, levels) in products.iter_mut().zip(combinations) {
             *product *= levels[index].map_or(0.0, |level| of_levels[level as usize]);
         }
     }

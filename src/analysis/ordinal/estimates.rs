@@ -4,11 +4,10 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 use super::{
-    clm::{FitEnd, category_bounds, positive_definite},
+    clm::{Fit, FitEnd, category_bounds, positive_definite},
     design,
     fitting::{Fitted, fit_counts},
-    model::{Coefficient, Model, ModelError, ModelSpec, Note, Random, RandomEffect, RandomSlope, Threshold},
-    search::{MixedFit, MixedFitEnd},
+    model::{Coefficient, Model, ModelError, ModelSpec, Note, RandomEffect, RandomSlope, Threshold},
 };
 use crate::{
     analysis::{counts::Counts, levels::values_of},
@@ -27,17 +26,12 @@ pub fn fit(counts: &Counts, spec: &ModelSpec) -> Result<Model, ModelError> {
 /// Converts a fit to a model on the scale of the data.
 pub(super) fn report(fitted: &Fitted) -> Model {
     let mut notes = fitted.notes.clone();
-    let mixed = fitted.usable();
+    let (mixed, best) = (fitted.usable(), fitted.best());
     note_design(fitted, &mut notes);
     note_separation(fitted, &mut notes);
     note_mixed(fitted, &mut notes);
-    let gradient = mixed.map_or(fitted.clm.gradient, |mixed| mixed.gradient);
-    let stalled = match mixed {
-        Some(mixed) => mixed.end == MixedFitEnd::Stalled,
-        None => fitted.clm.end == FitEnd::Stalled,
-    };
-    if stalled {
-        notes.push(Note::NotConverged { gradient });
+    if best.end == FitEnd::Stalled {
+        notes.push(Note::NotConverged { gradient: best.gradient });
     }
     let (estimates, covariance) = (estimates(fitted), covariance(fitted));
     if covariance.is_none() {
@@ -68,8 +62,8 @@ pub(super) fn report(fitted: &Fitted) -> Model {
         method: if mixed.is_some() { "clmm-laplace" } else { "clm" },
         nobs: fitted.frame.total(),
         subjects: fitted.frame.subjects.len(),
-        loglik: mixed.map_or(fitted.clm.loglik, |mixed| mixed.loglik),
-        gradient,
+        loglik: best.loglik,
+        gradient: best.gradient,
         parameters: size,
         thresholds: (fitted.frame.categories.windows(2).enumerate())
             .map(|(j, pair)| Threshold { name: pair.join("|"), estimate: estimates[j], se: se(j) })
@@ -83,7 +77,7 @@ pub(super) fn report(fitted: &Fitted) -> Model {
 }
 
 /// Describes the random effects. `covariance` is that of all parameters.
-fn random_effect(fitted: &Fitted, mixed: &MixedFit, covariance: &DMatrix<f64>) -> RandomEffect {
+fn random_effect(fitted: &Fitted, mixed: &Fit, covariance: &DMatrix<f64>) -> RandomEffect {
     let part = &fitted.random;
     let size = part.components.len();
     let first = mixed.parameters.len() - part.parameters();
@@ -123,25 +117,20 @@ fn random_effect(fitted: &Fitted, mixed: &MixedFit, covariance: &DMatrix<f64>) -
     }
 }
 
-/// Returns the estimates of the search and the matrix that converts them to the scale of the data.
-fn search_estimates<'a>(fitted: &'a Fitted) -> (&'a DVector<f64>, DMatrix<f64>) {
-    let parameters = fitted.usable().map_or(&fitted.clm.parameters, |mixed| &mixed.parameters);
-    let thresholds = fitted.frame.categories.len() - 1;
-    let mut to_data_scale = design::to_data_scale(&fitted.standard, thresholds, parameters.len());
-    let first_psi = thresholds + fitted.x.columns.len();
-    if parameters.len() > fitted.clm.parameters.len() {
-        for (parameter, unit) in fitted.random.units().into_iter().enumerate() {
-            to_data_scale[(first_psi + parameter, first_psi + parameter)] = unit.recip();
-        }
+/// Returns the matrix that converts the estimates of the search to the scale of the data.
+fn to_data_scale(fitted: &Fitted) -> DMatrix<f64> {
+    let (thresholds, size) = (fitted.frame.categories.len() - 1, fitted.best().parameters.len());
+    let mut to_data_scale = design::to_data_scale(&fitted.standard, thresholds, size);
+    for (psi, unit) in (thresholds + fitted.x.columns.len()..size).zip(fitted.random.units()) {
+        to_data_scale[(psi, psi)] = unit.recip();
     }
-    (parameters, to_data_scale)
+    to_data_scale
 }
 
 /// Returns the estimates of all parameters on the scale of the data. A parameter without a finite estimate has the value
 /// at which the search ended.
 pub(super) fn finite_estimates(fitted: &Fitted) -> DVector<f64> {
-    let (parameters, to_data_scale) = search_estimates(fitted);
-    to_data_scale * parameters
+    to_data_scale(fitted) * &fitted.best().parameters
 }
 
 /// Returns the estimates of all parameters on the scale of the data. A parameter without a finite estimate is infinite.
@@ -156,15 +145,7 @@ fn estimates(fitted: &Fitted) -> DVector<f64> {
 /// Returns the covariance of all parameters on the scale of the data, or `None` if the information matrix cannot be
 /// inverted. It is NaN for parameters without a finite estimate.
 fn covariance(fitted: &Fitted) -> Option<DMatrix<f64>> {
-    let (parameters, to_data_scale) = search_estimates(fitted);
-    let size = parameters.len();
-    let (information, free) = match fitted.usable() {
-        Some(mixed) => (mixed.information.clone(), mixed.free.clone()),
-        None => {
-            let finite: Vec<usize> = (0..size).filter(|&index| !fitted.is_infinite(index)).collect();
-            (fitted.clm.information.select_rows(&finite).select_columns(&finite), finite)
-        }
-    };
+    let Fit { information, free, .. } = fitted.best();
     // A fit that needed no errors has no information.
     if information.nrows() != free.len() {
         return None;
@@ -172,16 +153,11 @@ fn covariance(fitted: &Fitted) -> Option<DMatrix<f64>> {
     // With a singular covariance of correlated effects, the likelihood is flat in a direction that no effect needs.
     let inverse = match information.clone().cholesky() {
         Some(factor) => factor.inverse(),
-        None if fitted.random.correlated => positive_definite(&information)?.inverse(),
+        None if fitted.random.correlated => positive_definite(information)?.inverse(),
         None => return None,
     };
-    let mut whole = DMatrix::zeros(size, size);
-    for (row, &i) in free.iter().enumerate() {
-        for (column, &j) in free.iter().enumerate() {
-            whole[(i, j)] = inverse[(row, column)];
-        }
-    }
-    let mut covariance = &to_data_scale * whole * to_data_scale.transpose();
+    let to_data_scale = to_data_scale(fitted).select_columns(free);
+    let mut covariance = &to_data_scale * inverse * to_data_scale.transpose();
     for (index, _) in fitted.infinite() {
         covariance.row_mut(index).fill(f64::NAN);
         covariance.column_mut(index).fill(f64::NAN);
@@ -228,20 +204,13 @@ fn note_separation(fitted: &Fitted, notes: &mut Vec<Note>) {
 }
 
 fn note_mixed(fitted: &Fitted, notes: &mut Vec<Note>) {
-    if fitted.spec.random == Random::None {
-        return;
-    }
-    let Some(mixed) = fitted.usable() else {
-        notes.push(Note::NoMixedModel);
-        return;
-    };
+    notes.extend(fitted.ignores_people().then_some(Note::NoMixedModel));
     let part = &fitted.random;
+    let Some(mixed) = fitted.usable().filter(|_| part.correlated) else { return };
     let psi = &mixed.parameters.as_slice()[mixed.parameters.len() - part.parameters()..];
-    if part.correlated {
-        // The pivots of the covariance: the standard deviation of each effect given the ones before it.
-        let pivots = part.elements().zip(psi).filter(|((row, column), _)| row == column).map(|(_, pivot)| pivot.abs());
-        notes.extend(pivots.into_iter().any(|pivot| pivot < 1e-2).then_some(Note::SingularCovariance));
-    }
+    // The pivots of the covariance: the standard deviation of each effect given the ones before it.
+    let mut pivots = part.elements().zip(psi).filter(|((row, column), _)| row == column);
+    notes.extend(pivots.any(|(_, pivot)| pivot.abs() < 1e-2).then_some(Note::SingularCovariance));
 }
 
 /// The ratings that a model predicts for one condition. A mixed model predicts the ratings of an average participant,
@@ -267,16 +236,16 @@ pub(super) fn predictions(fitted: &Fitted, model: &Model) -> Vec<Prediction> {
     let x = fitted.x.matrix(&conditions);
     let reach = reach(fitted, 1);
     let predict = |(index, &condition): (usize, &u32)| {
-        let x: Vec<f64> = x.row(index).iter().copied().collect();
-        let Expected { probabilities, mean, gradient } = model.expected(&x, &values);
-        let interval = model.interval_of_mean(mean, &gradient, reach, &values);
+        let expected = model.expected(&x.rows(index, 1).into_owned(), &values);
+        let interval = model.interval_of_mean(&expected, reach, &values);
+        let Expected { probabilities, mean, .. } = expected;
         let names = fitted.frame.counts.level_names(condition).into_iter().map(str::to_owned).collect();
         Prediction { names, probabilities, mean, interval }
     };
     conditions.iter().enumerate().map(predict).collect()
 }
 
-/// What a model expects of a participant whose random effects are 0.
+/// What a model expects of a participant whose random effects are 0, on average over some conditions.
 pub(super) struct Expected {
     /// Probability of each category.
     pub probabilities: Vec<f64>,
@@ -287,37 +256,36 @@ pub(super) struct Expected {
 }
 
 impl Model {
-    /// Returns what the model expects for a row of the design. `values` are the numbers of the categories.
-    pub(super) fn expected(&self, x: &[f64], values: &[f64]) -> Expected {
-        let coefficients = self.coefficients.iter().map(|coefficient| &coefficient.estimate);
-        let location = dot_ignoring_zero_weights(x.iter(), coefficients);
-        let bounds: Vec<f64> = self.thresholds.iter().map(|threshold| threshold.estimate - location).collect();
-        let probability = |category| {
-            let (a, b) = category_bounds(&bounds, category);
-            self.link.between(a, b)
-        };
-        let probabilities: Vec<f64> = (0..values.len()).map(probability).collect();
-        // If the bound between two categories rises, the mean falls in proportion to the step between them.
-        let by_bound: Vec<f64> = (bounds.iter().enumerate())
-            .map(|(j, bound)| -(values[j + 1] - values[j]) * self.link.density(*bound))
-            .collect();
-        let sum: f64 = by_bound.iter().sum();
-        Expected {
-            mean: probabilities.iter().zip(values).map(|(p, value)| p * value).sum(),
-            probabilities,
-            gradient: by_bound.into_iter().chain(x.iter().map(|x| -sum * x)).collect::<Vec<_>>().into(),
+    /// Returns what the model expects on average over some rows of the design. `values` are the numbers of the categories.
+    pub(super) fn expected(&self, x: &DMatrix<f64>, values: &[f64]) -> Expected {
+        let (n, thresholds) = (x.nrows() as f64, self.thresholds.len());
+        let (mut probabilities, mut mean) = (vec![0.0; values.len()], 0.0);
+        let mut gradient = DVector::zeros(thresholds + x.ncols());
+        for row in x.row_iter() {
+            let coefficients = self.coefficients.iter().map(|coefficient| &coefficient.estimate);
+            let location = dot_ignoring_zero_weights(row.iter(), coefficients);
+            let bounds: Vec<f64> = self.thresholds.iter().map(|threshold| threshold.estimate - location).collect();
+            let mut own = 0.0;
+            for (category, value) in values.iter().enumerate() {
+                let (a, b) = category_bounds(&bounds, category);
+                let p = self.link.between(a, b);
+                probabilities[category] += p / n;
+                own += p * value;
+            }
+            mean += own / n;
+            // If the bound between two categories rises, the mean falls in proportion to the step between them.
+            let by_bound = |(j, bound): (usize, &f64)| -(values[j + 1] - values[j]) * self.link.density(*bound);
+            let by_bound = DVector::from_iterator(thresholds, bounds.iter().enumerate().map(by_bound));
+            gradient.rows_mut(0, thresholds).axpy(n.recip(), &by_bound, 1.0);
+            gradient.rows_mut(thresholds, x.ncols()).axpy(-by_bound.sum() / n, &row.transpose(), 1.0);
         }
+        Expected { probabilities, mean, gradient }
     }
 
     /// Returns the interval of a mean rating from its gradient, on the logit of its place between the ends of the scale,
     /// so that it stays there. `reach` is the number of standard errors to either end.
-    pub(super) fn interval_of_mean(
-        &self,
-        mean: f64,
-        gradient: &DVector<f64>,
-        reach: f64,
-        values: &[f64],
-    ) -> Option<Interval> {
+    pub(super) fn interval_of_mean(&self, expected: &Expected, reach: f64, values: &[f64]) -> Option<Interval> {
+        let Expected { mean, gradient, .. } = expected;
         let variance = self.covariance.view((0, 0), (gradient.len(), gradient.len())) * gradient;
         let se = gradient.dot(&variance).sqrt();
         let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));

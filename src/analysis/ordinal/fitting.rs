@@ -5,18 +5,18 @@ use std::collections::{HashMap, HashSet};
 use nalgebra::{DMatrix, DVector};
 
 use super::{
-    clm::{ClmData, ClmFit, FitEnd, tolerance},
+    clm::{ClmData, Fit, FitEnd, tolerance},
     clmm::{ClmmData, Observation},
     design::{Column, Design, Standard, check_size},
     link::Link,
     model::{ModelError, ModelSpec, Note, Random, Slopes},
     random::{Loadings, RandomPart, within_part},
-    search::{self, MixedFit, MixedFitEnd, Task},
+    search::{self, Task},
     terms::{Term, Variable},
 };
 use crate::analysis::{
     counts::{CountRow, Counts},
-    frame::{Frame, find_factor},
+    frame::{Frame, factors_of, find_factor},
 };
 
 /// Everything about a fit that the tests need.
@@ -25,28 +25,23 @@ pub(crate) struct Fitted<'a> {
     pub(super) spec: ModelSpec,
     pub(super) notes: Vec<Note>,
     pub(super) x: Design,
-    pub(super) clm: ClmFit,
+    pub(super) clm: Fit,
     /// Standardization of the columns.
     pub(super) standard: Standard,
     /// The random part; without components if there is none.
     pub(super) random: RandomPart,
-    pub(super) mixed: Option<MixedFit>,
+    pub(super) mixed: Option<Fit>,
 }
 
-/// How to fit the terms of a specification.
+/// How to fit a design.
 #[derive(Clone, Copy, Default)]
 pub(super) struct How<'a> {
     /// Whether to compute the standard errors of a mixed model, which take as long as its estimates.
     pub errors: bool,
-    /// A similar fit with the same random part, at whose estimates the search starts; without it, the random part follows
-    /// from the specification.
-    pub near: Option<&'a Fitted<'a>>,
-    /// A similar fit with errors, with whose information the search starts.
-    pub informed: Option<&'a Fitted<'a>>,
     /// Whether only the likelihood is needed, to four decimals.
     pub rough: bool,
-    /// The location design; `None` determines it from the specification.
-    pub x: Option<&'a Design>,
+    /// A similar fit with errors, with whose information the search starts; `None` means the fit at whose estimates it starts.
+    pub informed: Option<&'a Fitted<'a>>,
 }
 
 /// Fits a model. If the first baseline allows no finite estimates, another is used. The standard errors of a mixed model take
@@ -74,7 +69,7 @@ pub(crate) fn fit_counts<'a>(counts: &'a Counts, spec: &ModelSpec, errors: bool)
         }
     }
     notes.extend(spec.terms.iter().filter_map(|term| with_other_baseline(&mut frame, term)));
-    fit_terms(frame, spec, notes, How { errors, ..How::default() })
+    fit_terms(frame, spec, notes, errors)
 }
 
 /// Fits the terms of a specification to a frame. `notes` are the notes of the frame.
@@ -82,24 +77,12 @@ pub(super) fn fit_terms<'a>(
     frame: Frame<'a>,
     spec: ModelSpec,
     mut notes: Vec<Note>,
-    how: How<'_>,
+    errors: bool,
 ) -> Result<Fitted<'a>, ModelError> {
-    let x = match how.x {
-        Some(x) => x.clone(),
-        None => Design::new(&frame, &spec.terms)?,
-    };
-    let x = x.independent(&frame);
-    let (data, standard) = clm_data(&frame, spec.link, &x);
-    let clm = data.fit();
-    let random = match how.near {
-        Some(near) => near.random.clone(),
-        None => RandomPart::new(&frame, &spec, &mut notes)?,
-    };
-    let mut fitted = Fitted { frame, spec, notes, x, clm, standard, random, mixed: None };
-    if fitted.spec.random == Random::Subject {
-        fitted.mixed = fit_mixed(&fitted, how);
-    }
-    Ok(fitted)
+    let x = Design::new(&frame, &spec.terms)?.independent(&frame);
+    let random = RandomPart::new(&frame, &spec, &mut notes)?;
+    let plain = Fitted::plain(frame, spec, notes, x, random);
+    Ok(plain.with_effects(None, How { errors, ..How::default() }))
 }
 
 /// Returns the counts for each distinct row of a design, and the standardization of its columns.
@@ -138,46 +121,36 @@ pub(super) struct Layout {
     pub row_of: Vec<usize>,
 }
 
-/// Lays out the data of the mixed model.
-pub(super) fn layout(fitted: &Fitted) -> Layout {
-    lay_out(fitted, fitted.random.is_crossed())
-}
-
 /// Lays out the data of the mixed model; as if each participant had effects of their own if not `crossed`.
 pub(super) fn lay_out(fitted: &Fitted, crossed: bool) -> Layout {
     let frame = &fitted.frame;
     let (conditions, row_of) = distinct_rows(frame, &fitted.x, &fitted.random);
-    let mut design: Vec<(usize, u32)> = conditions.iter().map(|condition| (0, *condition)).collect();
-    if crossed {
-        design.clear();
-    }
     let mut observations: Vec<Observation> = Vec::new();
     let mut subjects = Vec::new();
     // Rows are sorted by participant. Conditions that share a design row are combined.
-    for (person, rows) in frame.rows.chunk_by(|l, r| l.subject == r.subject).enumerate() {
+    for rows in frame.rows.chunk_by(|l, r| l.subject == r.subject) {
         let own = |row: &CountRow| (row_of[row.condition as usize], usize::from(row.rating), row.count);
         let mut cells: Vec<_> = rows.iter().map(own).collect();
         cells.sort_unstable();
         let first = observations.len();
-        let mut last = None;
         observations.extend(cells.chunk_by(|l, r| (l.0, l.1) == (r.0, r.1)).map(|cell| {
             let count = cell.iter().map(|(.., count)| *count).sum::<u64>() as f64;
-            let (mut row, category, _) = cell[0];
-            if crossed {
-                if last.replace(row) != Some(row) {
-                    design.push((person, conditions[row]));
-                }
-                row = design.len() - 1;
-            }
-            Observation { row, category, count }
+            Observation { row: cell[0].0, category: cell[0].1, count }
         }));
         subjects.push(first..observations.len());
     }
+    let mut design: Vec<(usize, u32)> = conditions.iter().map(|condition| (0, *condition)).collect();
     let mut people = 1;
     if crossed {
+        design.clear();
+        for (person, own) in subjects.iter().enumerate() {
+            for row in observations[own.clone()].chunk_by_mut(|l, r| l.row == r.row) {
+                design.push((person, conditions[row[0].row]));
+                row.iter_mut().for_each(|observation| observation.row = design.len() - 1);
+            }
+        }
         people = subjects.len();
-        subjects.clear();
-        subjects.push(0..observations.len());
+        subjects = std::iter::once(0..observations.len()).collect();
     }
     let conditions: Vec<u32> = design.iter().map(|(_, condition)| *condition).collect();
     let offset = fitted.x.offset(&conditions);
@@ -207,73 +180,100 @@ const FAR: f64 = 10.0;
 
 /// Fits the mixed model, starting from the estimates of the model without random effects. Coefficients without a
 /// finite estimate stay fixed, because their ratings are predicted perfectly for any participant.
-fn fit_mixed(fitted: &Fitted, how: How<'_>) -> Option<MixedFit> {
-    if fitted.has_infinite_threshold() {
+fn fit_mixed(fitted: &Fitted, near: Option<&Fitted>, how: How<'_>) -> Option<Fit> {
+    let Layout { data, .. } = lay_out(fitted, fitted.random.is_crossed());
+    if fitted.infinite().any(|(index, _)| index < data.thresholds()) {
         return None;
     }
-    let Layout { data, .. } = layout(fitted);
     let first_psi = data.first_psi();
-    let free: Vec<usize> = (0..data.parameters()).filter(|&index| !fitted.is_infinite(index)).collect();
     let tolerance = if how.rough { 1e3 } else { 1.0 } * tolerance(data.ratings());
     let plain = &fitted.clm;
-    let near = how.near.and_then(|near| Some((near, near.mixed.as_ref()?)));
-    let start = near.map(|(near, fit)| {
+    let start = near.and_then(|near| Some((near, near.mixed.as_ref()?))).map(|(near, fit)| {
         let places = places(fitted, near);
-        DVector::from_fn(data.parameters(), |index, _| match places[index].map(|place| fit.parameters[place]) {
+        let start = |index: usize, _| match places[index].map(|place| fit.parameters[place]) {
             // A deviation that was 0 may not be 0 here.
             Some(psi) if index >= first_psi && data.loadings.independent && psi.abs() < 0.1 => 0.1,
             Some(own) if index >= first_psi || !fitted.is_infinite(index) && own.abs() < FAR => own,
             _ => plain.parameters[index],
-        })
+        };
+        (DVector::from_fn(data.parameters(), start), &fit.modes)
     });
-    let information = how.informed.and_then(|informed| informed.information_on(&free, &places(fitted, informed)));
-    let modes = near.map(|(_, fit)| &fit.modes);
-    let information = information.as_ref();
+    let information = how.informed.or(near).and_then(|informed| informed.information_on(fitted));
     let task = Task {
         plain,
-        start: start.as_ref(),
-        modes,
-        information,
-        free: &free,
+        start: start.as_ref().map(|(start, modes)| (start, *modes)),
+        information: information.as_ref(),
         tolerance,
         errors: how.errors,
         rough: how.rough,
     };
     let found = search::fit(&data, task);
-    if start.is_none() || found.as_ref().is_some_and(|fit| fit.end == MixedFitEnd::Converged) {
+    if start.is_none() || found.as_ref().is_some_and(|fit| fit.end == FitEnd::Converged) {
         return found;
     }
     // The similar fit was not so similar.
-    search::fit(&data, Task { start: None, modes: None, information: None, rough: false, ..task }).or(found)
+    search::fit(&data, Task { start: None, information: None, rough: false, ..task }).or(found)
 }
 
-impl Fitted<'_> {
-    /// Returns the information of the mixed model on some parameters, given by their indices here in `places`. About a deviation
-    /// that is 0 here, little is known. `None` if another parameter is not among those here.
-    fn information_on(&self, free: &[usize], places: &[Option<usize>]) -> Option<DMatrix<f64>> {
+impl<'a> Fitted<'a> {
+    /// Fits a design without random effects.
+    fn plain(frame: Frame<'a>, spec: ModelSpec, notes: Vec<Note>, x: Design, random: RandomPart) -> Self {
+        let (data, standard) = clm_data(&frame, spec.link, &x);
+        Self { frame, spec, notes, x, clm: data.fit(), standard, random, mixed: None }
+    }
+
+    /// Fits the random effects, if the specification has them. The search starts at the estimates of a similar fit `near`.
+    fn with_effects(mut self, near: Option<&Fitted>, how: How<'_>) -> Self {
+        if self.spec.random == Random::Subject {
+            self.mixed = fit_mixed(&self, near, how);
+        }
+        self
+    }
+
+    /// Fits a design of other columns to the same data, with the same random part.
+    pub(super) fn with_columns(&self, x: Design, how: How<'_>) -> Self {
+        self.refit(self.frame.clone(), x, how)
+    }
+
+    /// Fits a design to similar data, with the same random part.
+    pub(super) fn refit<'b>(&self, frame: Frame<'b>, x: Design, how: How<'_>) -> Fitted<'b> {
+        let x = x.independent(&frame);
+        let plain = Fitted::plain(frame, self.spec.clone(), Vec::new(), x, self.random.clone());
+        plain.with_effects(Some(self), how)
+    }
+
+    /// Returns the information of the mixed model on the parameters of a similar one. About a deviation that is 0 here, little is
+    /// known. `None` if another parameter is not among those here.
+    fn information_on(&self, similar: &Fitted) -> Option<DMatrix<f64>> {
         let mixed = self.mixed.as_ref().filter(|mixed| mixed.information.nrows() == mixed.free.len())?;
-        let row = |&index: &usize| mixed.free.iter().position(|known| Some(*known) == places[index]);
+        let places = places(similar, self).into_iter().enumerate().filter(|(index, _)| !similar.is_infinite(*index));
+        let free: Vec<Option<usize>> = places.map(|(_, place)| place).collect();
+        let row = |place: &Option<usize>| mixed.free.iter().position(|known| Some(*known) == *place);
         let rows: Vec<Option<usize>> = free.iter().map(row).collect();
-        let is_zero = |index: &usize| places[*index].is_some_and(|place| mixed.parameters[place] == 0.0);
+        let is_zero = |place: &Option<usize>| place.is_some_and(|place| mixed.parameters[place] == 0.0);
         let people = self.frame.subjects.len() as f64;
         let element = |i: usize, j: usize| match (rows[i], rows[j]) {
             (Some(row), Some(column)) => mixed.information[(row, column)],
             _ if i == j => people,
             _ => 0.0,
         };
-        let is_known = free.iter().zip(&rows).all(|(index, row)| row.is_some() || is_zero(index));
+        let is_known = free.iter().zip(&rows).all(|(place, row)| row.is_some() || is_zero(place));
         is_known.then(|| DMatrix::from_fn(free.len(), free.len(), element))
     }
 
     /// Returns the mixed model, if there is one and it did not diverge.
-    pub(super) fn usable(&self) -> Option<&MixedFit> {
-        self.mixed.as_ref().filter(|mixed| mixed.end != MixedFitEnd::Diverged)
+    pub(super) fn usable(&self) -> Option<&Fit> {
+        self.mixed.as_ref().filter(|mixed| mixed.end != FitEnd::Diverged)
+    }
+
+    /// Returns the mixed model or, if there is none or it diverged, the model without random effects.
+    pub(super) fn best(&self) -> &Fit {
+        self.usable().unwrap_or(&self.clm)
     }
 
     /// Returns θ, β and ψ of a mixed model; without one, those of the model without random effects, with ψ = 0.
     pub(super) fn searched(&self, data: &ClmmData) -> DVector<f64> {
-        let plain = || self.clm.parameters.clone().resize_vertically(data.parameters(), 0.0);
-        self.usable().map_or_else(plain, |mixed| mixed.parameters.clone())
+        self.best().parameters.clone().resize_vertically(data.parameters(), 0.0)
     }
 
     /// Returns the number of estimated parameters.
@@ -293,50 +293,32 @@ impl Fitted<'_> {
         self.infinite().any(|(infinite, _)| infinite == index)
     }
 
-    /// Returns whether a threshold has no finite estimate.
-    fn has_infinite_threshold(&self) -> bool {
-        self.infinite().any(|(index, _)| index < self.frame.categories.len() - 1)
-    }
-
     /// Returns the term to which a column belongs.
     pub fn term_of(&self, column: usize) -> &Term {
         &self.spec.terms.iter().as_slice()[self.x.columns[column].term]
     }
 
-    /// Returns the log-likelihood that the tests compare.
-    pub fn loglik(&self) -> f64 {
-        self.mixed.as_ref().map_or(self.clm.loglik, |mixed| mixed.loglik)
-    }
-
     /// Returns whether a variable of a term does not vary within most participants.
     pub fn is_between(&self, term: &Term) -> bool {
-        let counts = self.frame.counts;
-        let between =
-            |variable: &Variable| find_factor(counts, variable).is_ok_and(|(factor, _)| !counts.is_within(factor));
-        term.variables.iter().any(between)
+        factors_of(self.frame.counts, term).any(|factor| !self.frame.counts.is_within(factor))
     }
 
     /// Returns the smallest number of participants, and of items, at a level of a term's factors.
     pub fn least_at_level(&self, term: &Term) -> [usize; 2] {
         let (counts, items) = (self.frame.counts, self.items());
-        let item = |row: &CountRow| items.and_then(|items| counts.conditions[row.condition as usize][items]);
-        [self.least(term, |row| Some(row.subject)), self.least(term, item)]
-    }
-
-    fn least(&self, term: &Term, one: impl Fn(&CountRow) -> Option<u32>) -> usize {
-        let counts = self.frame.counts;
         let is_factor = |variable: &&Variable| matches!(variable, Variable::Factor(_));
-        let factors = term.variables.iter().filter(is_factor).filter_map(|variable| find_factor(counts, variable).ok());
-        let of_factor = |(factor, _): (usize, bool)| {
-            let mut people: HashMap<u32, HashSet<Option<u32>>> = HashMap::new();
+        let names = term.variables.iter().filter(is_factor).map(Variable::name);
+        let mut at_levels: HashMap<(usize, u32), [HashSet<u32>; 2]> = HashMap::new();
+        for (factor, _) in names.filter_map(|name| counts.factor(name)) {
             for row in &self.frame.rows {
-                if let Some(level) = counts.conditions[row.condition as usize][factor] {
-                    people.entry(level).or_default().insert(one(row));
-                }
+                let levels = &counts.conditions[row.condition as usize];
+                let Some(level) = levels[factor] else { continue };
+                let [people, shown] = at_levels.entry((factor, level)).or_default();
+                people.insert(row.subject);
+                shown.extend(items.and_then(|items| levels[items]));
             }
-            people.values().map(HashSet::len).min()
-        };
-        factors.filter_map(of_factor).min().unwrap_or(usize::MAX)
+        }
+        [0, 1].map(|kind| at_levels.values().map(|own| own[kind].len()).min().unwrap_or(usize::MAX))
     }
 
     /// Returns the index of the factor whose levels are items.
@@ -353,25 +335,21 @@ impl Fitted<'_> {
     /// Returns whether a mixed model was asked for and could not be fitted, so that nothing accounts for several ratings by the
     /// same participant.
     pub fn ignores_people(&self) -> bool {
-        let diverged = |mixed: &MixedFit| mixed.end == MixedFitEnd::Diverged;
-        self.spec.random == Random::Subject && self.mixed.as_ref().is_none_or(diverged)
+        self.spec.random == Random::Subject && self.usable().is_none()
     }
 
     /// Returns whether a variable of a term does not vary within items.
     pub fn is_between_items(&self, term: &Term) -> bool {
-        let (counts, items) = (self.frame.counts, self.items());
-        let between = |variable: &Variable| {
-            let factor = find_factor(counts, variable).ok();
-            items.zip(factor).is_some_and(|(items, (factor, _))| counts.determines(items, factor))
-        };
-        term.variables.iter().any(between)
+        let counts = self.frame.counts;
+        let is_between = |items: usize| factors_of(counts, term).any(|factor| counts.determines(items, factor));
+        self.items().is_some_and(is_between)
     }
 
     /// Returns whether participants may differ in an effect without a random slope of it. If nobody rated a level of a factor
     /// twice, such differences are part of the variation between ratings, for which the model allows; so they almost are in
     /// an interaction whose slope the design does not support.
     pub fn lacks_slope(&self, term: &Term) -> bool {
-        let Ok(part) = within_part(&self.frame, term) else { return false };
+        let part = within_part(&self.frame, term);
         let [variable] = &part.variables[..] else { return false };
         let Ok((factor, _)) = find_factor(self.frame.counts, variable) else { return false };
         if !self.frame.counts.is_within(factor) {
@@ -405,7 +383,7 @@ impl Fitted<'_> {
             return (people, people - 1.0 - columns(&|term| self.is_between(term)));
         }
         // An effect within participants that depends on their group has a mean in each group.
-        let is_own = |term: &&Term| within_part(&self.frame, term).is_ok_and(|part| part.same(&own.term));
+        let is_own = |term: &&Term| within_part(&self.frame, term).same(&own.term);
         let mut same = self.spec.terms.iter().filter(is_own).map(|term| columns(&|other| other == term));
         let means = same.next().map_or(1.0, |first| 1.0 + same.sum::<f64>() / first.max(1.0));
         let effects = (groups - 1.0).max(1.0);

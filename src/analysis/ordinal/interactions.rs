@@ -17,13 +17,13 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
-    fitting::{Fitted, How, Layout, fit_terms, layout},
+    fitting::{Fitted, Layout, fit_terms, lay_out},
     likelihood_ratios::{LEAST_PER_PARAMETER, TermTest, Withheld, without_term},
     model::ModelSpec,
     resampling::{Resampling, simulate},
     terms::{Term, Terms},
 };
-use crate::{analysis::frame::find_factor, statistics::holm};
+use crate::{analysis::frame::factors_of, statistics::holm};
 
 /// With five participants, no p could be below 1/16.
 pub const LEAST_FOR_SIGNS: usize = 6;
@@ -48,61 +48,46 @@ pub struct Interaction {
 
 /// Tests every pair of factors whose main effects, but not their interaction, are in the model.
 pub(super) fn interactions(full: &Fitted, settings: Resampling) -> Vec<Interaction> {
-    let pairs = pairs(full);
     // Effects of items have no signs that could be changed by participant.
-    if full.frame.subjects.len() >= LEAST_FOR_SIGNS && !full.random.is_crossed() {
-        by_signs(full, pairs, settings.seed)
-    } else {
-        by_ratios(full, pairs, settings)
-    }
+    let by_signs = full.frame.subjects.len() >= LEAST_FOR_SIGNS && !full.random.is_crossed();
+    let residuals = by_signs.then(|| Residuals::of(full));
+    let tested = |(test, terms): (TermTest, [usize; 2])| match &residuals {
+        Some(residuals) => self::by_signs(full, residuals, test, terms, settings.seed),
+        None => by_ratio(full, test, settings),
+    };
+    let tests: Vec<TermTest> = pairs(full).into_par_iter().map(tested).collect();
+    let corrected = holm(&tests.iter().map(|test| test.p).collect::<Vec<_>>());
+    let interaction = |(test, p)| Interaction { by_signs, test: TermTest { p, ..test } };
+    tests.into_iter().zip(corrected).map(interaction).collect()
 }
 
-/// An interaction that is not tested yet, and the indices of the main effects.
-type Pair = (Interaction, [usize; 2]);
-
-/// Returns the interactions that the model leaves out.
-fn pairs(full: &Fitted) -> Vec<Pair> {
-    let main: Vec<(usize, &Term)> =
-        full.spec.terms.iter().enumerate().filter(|(_, term)| term.variables.len() == 1).collect();
-    let factor = |term: &Term| find_factor(full.frame.counts, &term.variables[0]).map(|(factor, _)| factor);
+/// Returns the interactions that the model leaves out, not tested yet, each with the indices of the main effects.
+fn pairs(full: &Fitted) -> Vec<(TermTest, [usize; 2])> {
+    let main: Vec<(usize, &Term)> = full.spec.terms.iter().enumerate().filter(|(_, term)| term.is_main()).collect();
+    let factor = |term: &Term| factors_of(full.frame.counts, term).next();
     let pair = |(i, one): (usize, &Term), (j, other): (usize, &Term)| {
         let term = Term { variables: [&one.variables[..], &other.variables].concat() };
         let is_known = full.spec.terms.iter().any(|known| known.contains(&term));
-        let is_tested = !is_known && factor(one).is_ok_and(|own| factor(other).is_ok_and(|other| own != other));
         let columns = |index: usize| full.x.columns.iter().filter(|column| column.term == index).count();
         let test = TermTest::new(&term, None, columns(i) * columns(j));
-        (is_tested && test.df > 0).then_some((Interaction { by_signs: true, test }, [i, j]))
+        (!is_known && factor(one) != factor(other) && test.df > 0).then_some((test, [i, j]))
     };
     let all =
         main.iter().enumerate().flat_map(|(place, one)| main[place + 1..].iter().map(move |other| (*one, *other)));
     all.filter_map(|(one, other)| pair(one, other)).collect()
 }
 
-fn by_signs(full: &Fitted, pairs: Vec<Pair>, seed: u64) -> Vec<Interaction> {
-    let residuals = Residuals::of(full);
-    let tested = |(mut pair, terms): Pair| {
-        let test = &mut pair.test;
-        if test.df > MAX_COLUMNS {
-            return pair;
-        }
-        if let Some(Scores { observed, enlarged }) = residuals.scores(full, terms) {
-            test.df = enlarged.nrows();
-            test.chi_squared = Some(observed * test.df as f64 / enlarged.norm_squared());
-            let (p, patterns) = sign_test(&enlarged, observed, seed);
-            (test.p, test.draws, test.withheld) = (Some(p), Some(patterns), None);
-        } else {
-            test.withheld = Some(Withheld::Aliased);
-        }
-        pair
+fn by_signs(full: &Fitted, residuals: &Residuals, test: TermTest, terms: [usize; 2], seed: u64) -> TermTest {
+    if test.df > MAX_COLUMNS {
+        return test;
+    }
+    let Some(Scores { observed, enlarged }) = residuals.scores(full, terms) else {
+        return TermTest { withheld: Some(Withheld::Aliased), ..test };
     };
-    corrected(pairs.into_par_iter().map(tested).collect())
-}
-
-/// Corrects the probabilities for the number of interactions.
-fn corrected(mut tested: Vec<Interaction>) -> Vec<Interaction> {
-    let corrected = holm(&tested.iter().map(|own| own.test.p).collect::<Vec<_>>());
-    tested.iter_mut().zip(corrected).for_each(|(own, p)| own.test.p = p);
-    tested
+    let df = enlarged.nrows();
+    let chi_squared = Some(observed * df as f64 / enlarged.norm_squared());
+    let (p, patterns) = sign_test(&enlarged, observed, seed);
+    TermTest { chi_squared, df, p: Some(p), draws: Some(patterns), withheld: None, ..test }
 }
 
 /// Returns the proportion of the patterns of signs, one for each column, in which the squared sum of the columns is at least as
@@ -149,7 +134,7 @@ struct Residuals {
 
 impl Residuals {
     fn of(full: &Fitted) -> Self {
-        let Layout { data, .. } = layout(full);
+        let Layout { data, .. } = lay_out(full, false);
         let parameters = full.searched(&data);
         let modes = full.usable().map_or_else(|| data.modes(), |mixed| mixed.modes.clone());
         let mut information = DVector::zeros(data.x.nrows());
@@ -205,31 +190,25 @@ impl Residuals {
     }
 }
 
-/// Tests the interactions by likelihood ratios of wider models in simulated studies.
-fn by_ratios(full: &Fitted, pairs: Vec<Pair>, settings: Resampling) -> Vec<Interaction> {
-    let tested = |test: TermTest| {
-        let parameters = full.frame.categories.len() - 1 + full.rank() + test.df;
-        let withheld = if full.ignores_people() {
-            Some(Withheld::NoMixedModel)
-        } else if full.mixed.is_some() && test.df > MAX_SIMULATED {
-            Some(Withheld::FewPeople)
-        } else {
-            (full.frame.total() < LEAST_PER_PARAMETER * parameters as u64).then_some(Withheld::FewRatings)
-        };
-        if withheld.is_some() {
-            return TermTest { withheld, ..test };
-        }
-        let term = &test.term;
-        let spec = ModelSpec { terms: Terms::new(full.spec.terms.iter().chain([term]).cloned()), ..full.spec.clone() };
-        let wider = fit_terms(full.frame.clone(), spec, Vec::new(), How::default());
-        let Ok((mut own, wider)) = wider.and_then(|wider| Ok((without_term(&wider, term)?, wider))) else {
-            return test;
-        };
-        if let Some(lr) = own.chi_squared {
-            own.calibrate(&simulate(&wider, None, &[(term, lr)], settings, &|| ())[0]);
-        }
-        own
+/// Tests an interaction by the likelihood ratio of a wider model in simulated studies.
+fn by_ratio(full: &Fitted, test: TermTest, settings: Resampling) -> TermTest {
+    let parameters = full.frame.categories.len() - 1 + full.rank() + test.df;
+    let withheld = if full.ignores_people() {
+        Some(Withheld::NoMixedModel)
+    } else if full.mixed.is_some() && test.df > MAX_SIMULATED {
+        Some(Withheld::FewPeople)
+    } else {
+        (full.frame.total() < LEAST_PER_PARAMETER * parameters as u64).then_some(Withheld::FewRatings)
     };
-    let test = |(pair, _): Pair| Interaction { by_signs: false, test: tested(pair.test) };
-    corrected(pairs.into_par_iter().map(test).collect())
+    if withheld.is_some() {
+        return TermTest { withheld, ..test };
+    }
+    let term = &test.term;
+    let spec = ModelSpec { terms: Terms::new(full.spec.terms.iter().chain([term]).cloned()), ..full.spec.clone() };
+    let Ok(wider) = fit_terms(full.frame.clone(), spec, Vec::new(), false) else { return test };
+    let mut own = without_term(&wider, term);
+    if let Some(lr) = own.chi_squared {
+        own.calibrate(&simulate(&wider, None, &[(term, lr)], settings, &|| ())[0], false);
+    }
+    own
 }

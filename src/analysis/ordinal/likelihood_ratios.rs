@@ -5,10 +5,8 @@ use serde::Serialize;
 use thiserror::Error;
 
 use super::{
-    clm::FitEnd,
-    fitting::{Fitted, How, fit_terms},
-    model::ModelError,
-    search::MixedFitEnd,
+    clm::{Fit, FitEnd},
+    fitting::{Fitted, How},
     terms::Term,
 };
 use crate::statistics::{chi_squared_quantile, chi_squared_tail};
@@ -31,7 +29,13 @@ pub struct TermTest {
     pub p_error: Option<f64>,
     /// Why there is no probability.
     pub withheld: Option<Withheld>,
+    /// The limit of a ratio with one degree of freedom, which may be simulated.
+    #[serde(skip)]
+    pub(super) limit: f64,
 }
+
+/// Coverage of all intervals of a model.
+const LEVEL: f64 = 0.95;
 
 /// Smallest number of ratings for each parameter of a model that is wider than the main one.
 pub(super) const LEAST_PER_PARAMETER: u64 = 5;
@@ -80,6 +84,16 @@ pub enum Withheld {
 }
 
 impl Fitted<'_> {
+    /// Returns the likelihood ratio, twice the difference of the log-likelihoods, against a narrower model; `None` unless both
+    /// found a maximum of the same kind of likelihood.
+    pub(super) fn ratio(&self, narrower: &Fitted) -> Option<f64> {
+        let is_fine = |fit: &Fit| !matches!(fit.end, FitEnd::Diverged | FitEnd::Stalled);
+        let are_fine = |fitted: &Fitted| is_fine(&fitted.clm) && fitted.mixed.as_ref().is_none_or(is_fine);
+        let is_same = self.mixed.is_some() == narrower.mixed.is_some();
+        let difference = || self.best().loglik - narrower.best().loglik;
+        (is_same && are_fine(self) && are_fine(narrower)).then(|| (2.0 * difference()).max(0.0))
+    }
+
     /// Returns why there is no test of a term, if so: nothing accounts for related ratings, or the term has no mean effect over
     /// those with which it interacts.
     fn untestable(&self, term: &Term) -> Option<Withheld> {
@@ -117,7 +131,7 @@ impl Fitted<'_> {
 /// Tests each term by the likelihood ratio against the model without it: a term that is part of a larger one in the [`recoded`]
 /// model. If a combination of levels has no ratings, such a term has no test, because the sum contrasts would depend on the order
 /// of the levels.
-pub(crate) fn without_terms(full: &Fitted, recoded: Option<&Fitted>) -> Result<Vec<TermTest>, ModelError> {
+pub(super) fn without_terms(full: &Fitted, recoded: Option<&Fitted>) -> Vec<TermTest> {
     let test = |(place, term): (usize, &Term)| {
         let withheld = full.untestable(term);
         let model = if full.spec.terms.is_marginal(term) { recoded } else { Some(full) };
@@ -126,7 +140,7 @@ pub(crate) fn without_terms(full: &Fitted, recoded: Option<&Fitted>) -> Result<V
             None => {
                 let df = full.x.columns.iter().filter(|column| column.term == place).count();
                 let test = TermTest::new(term, None, df);
-                Ok(TermTest { withheld: withheld.or(test.withheld), ..test })
+                TermTest { withheld: withheld.or(test.withheld), ..test }
             }
         }
     };
@@ -135,40 +149,24 @@ pub(crate) fn without_terms(full: &Fitted, recoded: Option<&Fitted>) -> Result<V
 
 /// Returns the same model in sum contrasts, in which a term that is part of a larger one is its mean effect over the other
 /// variables (type III). None if there is no such term, or if these contrasts allow no fit.
-pub(crate) fn recoded<'a>(full: &Fitted<'a>, errors: bool) -> Option<Fitted<'a>> {
+pub(super) fn recoded<'a>(full: &Fitted<'a>, errors: bool) -> Option<Fitted<'a>> {
     full.spec.terms.iter().find(|term| full.spec.terms.is_marginal(term))?;
-    let x = full.x.with_dropped().revalued(&full.frame, true, &[]).ok()?;
-    let how = How { errors, near: Some(full), x: Some(&x), ..How::default() };
-    let recoded = fit_terms(full.frame.clone(), full.spec.clone(), Vec::new(), how).ok()?;
-    comparable(full, &recoded).then_some(recoded)
+    let x = full.x.with_dropped().in_sum_contrasts(&full.frame).ok()?;
+    let recoded = full.with_columns(x, How { errors, ..How::default() });
+    full.ratio(&recoded).is_some().then_some(recoded)
 }
 
 /// Tests one term by the likelihood ratio against the model without its columns.
-pub(crate) fn without_term(full: &Fitted, term: &Term) -> Result<TermTest, ModelError> {
+pub(crate) fn without_term(full: &Fitted, term: &Term) -> TermTest {
     let place = full.spec.terms.iter().position(|own| own == term).unwrap_or(usize::MAX);
-    let x = full.x.without_columns(place);
-    let how = How { near: Some(full), informed: Some(full), x: Some(&x), ..How::default() };
-    let reduced = fit_terms(full.frame.clone(), full.spec.clone(), Vec::new(), how)?;
-    let difference = comparable(full, &reduced).then(|| full.loglik() - reduced.loglik());
-    Ok(TermTest::new(term, difference, full.rank().saturating_sub(reduced.rank())))
-}
-
-/// Returns whether both fits found a maximum of the same kind of likelihood.
-pub(super) fn comparable(one: &Fitted, other: &Fitted) -> bool {
-    let fine = |fitted: &Fitted| {
-        fitted.clm.end != FitEnd::Stalled
-            && !matches!(
-                fitted.mixed.as_ref().map(|mixed| mixed.end),
-                Some(MixedFitEnd::Diverged | MixedFitEnd::Stalled)
-            )
-    };
-    fine(one) && fine(other) && one.mixed.is_some() == other.mixed.is_some()
+    let reduced = full.with_columns(full.x.without_columns(place), How::default());
+    TermTest::new(term, full.ratio(&reduced), full.rank().saturating_sub(reduced.rank()))
 }
 
 impl TermTest {
-    /// Creates a test from the difference of two log-likelihoods.
-    pub(super) fn new(term: &Term, difference: Option<f64>, df: usize) -> Self {
-        let lr = difference.filter(|_| df > 0).map(|difference| (2.0 * difference).max(0.0));
+    /// Creates a test from a likelihood ratio, if there is one.
+    pub(super) fn new(term: &Term, ratio: Option<f64>, df: usize) -> Self {
+        let lr = ratio.filter(|_| df > 0);
         Self {
             term: term.clone(),
             chi_squared: lr,
@@ -177,19 +175,41 @@ impl TermTest {
             draws: None,
             p_error: None,
             withheld: lr.is_none().then_some(if df == 0 { Withheld::Aliased } else { Withheld::NoRatio }),
+            limit: chi_squared_limit(1),
         }
     }
 
-    /// Replaces the probability by that from simulated ratios.
-    pub(crate) fn calibrate(&mut self, ratios: &[f64]) {
+    /// Returns the limit of the likelihood ratio for one degree of freedom, or the reason why the test is withheld: there are
+    /// then no intervals or comparisons either. Where a mean effect has no test, the coefficients of the term are effects in
+    /// the larger one.
+    pub(super) fn limit(&self) -> Result<f64, Withheld> {
+        self.withheld.filter(|reason| *reason != Withheld::EmptyCells).map_or(Ok(self.limit), Err)
+    }
+
+    /// Replaces the probability and the limit by those from simulated ratios. If the ratings are separated, those of the
+    /// simulated studies are too, and their ratios are too small.
+    pub(crate) fn calibrate(&mut self, ratios: &[f64], is_separated: bool) {
         let Some(lr) = self.chi_squared else { return };
-        let simulated = probability(ratios, lr);
+        let (usual, simulated) = (self.p, probability(ratios, lr));
         self.p = simulated.map(|(p, _)| p);
         self.draws = simulated.map(|(_, draws)| draws);
         let counted = simulated.filter(|(p, draws)| p * (*draws + 1) as f64 >= 1.0 - 1e-9);
         self.p_error = counted.map(|(p, draws)| (p * (1.0 - p) / draws as f64).sqrt());
         self.withheld = simulated.is_none().then_some(Withheld::TooFew);
+        if is_separated && self.p.is_some() && self.p < usual {
+            (self.p, self.draws, self.p_error) = (usual, None, None);
+        }
+        // The distribution of a ratio with several degrees of freedom differs from χ² by about the same factor.
+        if let Some(simulated) = quantile(ratios, LEVEL) {
+            let factor = simulated / chi_squared_limit(self.df);
+            self.limit *= if is_separated { factor.max(1.0) } else { factor };
+        }
     }
+}
+
+/// Returns the upper 5 % point of the χ² distribution.
+pub(super) fn chi_squared_limit(df: usize) -> f64 {
+    chi_squared_quantile(LEVEL, df as f64)
 }
 
 /// A simulated distribution is used only if at least this share of the studies allowed a fit.
@@ -237,7 +257,7 @@ pub(super) fn is_decided(ratios: &[f64], observed: f64) -> bool {
 }
 
 /// Returns the ratio that a share of the simulated ratios does not exceed, or `None` if too few studies allowed a fit.
-pub(super) fn quantile(ratios: &[f64], share: f64) -> Option<f64> {
+fn quantile(ratios: &[f64], share: f64) -> Option<f64> {
     let finite = in_order(ratios)?;
     // A ratio above this one has a probability below 1 − share in [`probability`].
     let rank = (share * (finite.len() + 1) as f64 + 1e-9).floor() as usize + 1;

@@ -11,16 +11,15 @@ use super::{
     design::{Column, is_level},
     estimates::reach,
     fitting::Fitted,
-    likelihood_ratios::{TermTest, Withheld},
+    likelihood_ratios::{TermTest, Withheld, chi_squared_limit},
     model::Model,
-    profile::{Quantity, chi_squared_limit, ratio_at_zero},
+    profile::ratio_at_zero,
     terms::{Term, TermPart, Variable},
 };
 use crate::{
     analysis::{
-        counts::Counts,
-        frame::find_factor,
-        levels::{number_of, values_of},
+        frame::{factors_of, find_factor},
+        levels::values_of,
     },
     statistics::{Interval, Z_95, holm, normal_two_sided},
 };
@@ -77,40 +76,35 @@ type Cells = BTreeMap<Vec<u32>, DMatrix<f64>>;
 /// part of a row is the same in every cell; otherwise, those that were rated in every combination. None if there is no such
 /// cell.
 fn cells(fitted: &Fitted, factors: &[usize]) -> Option<Cells> {
-    let counts: &Counts = fitted.frame.counts;
     // The model is the same for all items, and a covariate has one value.
-    let left_out = fitted.left_out();
-    let x = fitted.x.revalued(&fitted.frame, false, &left_out).ok()?;
+    let (counts, left_out) = (fitted.frame.counts, fitted.left_out());
     let is_other = |factor: &usize| !factors.contains(factor) && !left_out.contains(factor);
     let others: Vec<usize> = self::factors(fitted).into_iter().filter(is_other).collect();
-    let mut by_cell: BTreeMap<Vec<Option<u32>>, BTreeMap<Vec<u32>, u32>> = BTreeMap::new();
+    // A condition in each cell, and the combinations that were rated there.
+    let mut by_cell = BTreeMap::new();
     for condition in fitted.frame.conditions() {
         let levels = &counts.conditions[condition as usize];
         let Some(own) = factors.iter().map(|&factor| levels[factor]).collect::<Option<Vec<u32>>>() else { continue };
-        let other = others.iter().map(|&factor| levels[factor]).collect();
-        by_cell.entry(other).or_default().insert(own, condition);
+        let other: Vec<Option<u32>> = others.iter().map(|&factor| levels[factor]).collect();
+        by_cell.entry(other).or_insert_with(|| (levels, BTreeSet::new())).1.insert(own);
     }
-    let all: BTreeSet<&Vec<u32>> = by_cell.values().flat_map(BTreeMap::keys).collect();
+    let all: BTreeSet<Vec<u32>> = by_cell.values().flat_map(|(_, rated)| rated.iter().cloned()).collect();
     let is_own = |part: &TermPart| find_factor(counts, &part.variable).is_ok_and(|(own, _)| factors.contains(&own));
-    let columns = &x.columns;
-    let own_columns: Vec<usize> = (0..columns.len()).filter(|&c| columns[c].parts.iter().all(is_own)).collect();
-    let uses = |column: &&Column| column.parts.iter().any(is_own);
-    if columns.iter().filter(uses).count() == own_columns.len() {
-        let conditions: Vec<u32> = by_cell.values().filter_map(|cell| cell.values().next().copied()).collect();
-        let rows = x.matrix(&conditions);
-        let at = |own: &Vec<u32>| {
-            let mut rows = rows.clone();
-            let found: Vec<u32> = by_cell.values().find_map(|cell| cell.get(own).copied()).into_iter().collect();
-            for (column, value) in own_columns.iter().zip(x.matrix(&found).select_columns(&own_columns).iter()) {
-                rows.column_mut(*column).fill(*value);
-            }
-            rows
-        };
-        return (!conditions.is_empty()).then(|| all.iter().map(|own| ((*own).clone(), at(own))).collect());
+    let interacts = |column: &Column| column.parts.iter().any(is_own) && !column.parts.iter().all(is_own);
+    if fitted.x.columns.iter().any(interacts) {
+        by_cell.retain(|_, (_, rated)| rated.len() == all.len());
     }
-    let whole: Vec<_> = by_cell.values().filter(|cell| cell.len() == all.len()).collect();
-    let rows = |own: &Vec<u32>| x.matrix(&whole.iter().map(|cell| cell[own]).collect::<Vec<_>>());
-    (!whole.is_empty()).then(|| all.iter().map(|own| ((*own).clone(), rows(own))).collect())
+    if by_cell.is_empty() {
+        return None;
+    }
+    let rows = |own: Vec<u32>| {
+        let mut combinations: Vec<Vec<Option<u32>>> = by_cell.values().map(|(levels, _)| (*levels).clone()).collect();
+        for levels in &mut combinations {
+            factors.iter().zip(&own).for_each(|(&factor, &level)| levels[factor] = Some(level));
+        }
+        Some((own, fitted.x.at(&fitted.frame, &combinations, &left_out).ok()?))
+    };
+    all.into_iter().map(rows).collect()
 }
 
 /// Returns the estimated marginal means of every factor that varies in the model, but not of covariates.
@@ -127,59 +121,38 @@ pub(super) fn margins(fitted: &Fitted, model: &Model) -> Vec<Margin> {
         let between = usize::from(!fitted.frame.counts.is_within(factor)) * own;
         let reach = reach(fitted, 1 + between);
         for (level, x) in rows {
-            let (mean, gradient) = expected(model, &x, &values);
-            let interval = model.interval_of_mean(mean, &gradient, reach, &values);
+            let expected = model.expected(&x, &values);
+            let interval = model.interval_of_mean(&expected, reach, &values);
             let level = description.levels[level[0] as usize].clone();
-            margins.push(Margin { factor: description.name.clone(), level, mean, interval });
+            margins.push(Margin { factor: description.name.clone(), level, mean: expected.mean, interval });
         }
     }
     margins
 }
 
-/// Returns the mean of the model's expected ratings in some design rows, and its gradient.
-fn expected(model: &Model, x: &DMatrix<f64>, values: &[f64]) -> (f64, DVector<f64>) {
-    let (mut mean, mut gradient) = (0.0, DVector::zeros(model.thresholds.len() + x.ncols()));
-    for row in x.row_iter() {
-        let expected = model.expected(&row.iter().copied().collect::<Vec<f64>>(), values);
-        mean += expected.mean / x.nrows() as f64;
-        gradient += expected.gradient / x.nrows() as f64;
-    }
-    (mean, gradient)
-}
-
 /// Returns the indices of the factors that the model uses as factors or numbers and that vary.
 fn factors(fitted: &Fitted) -> BTreeSet<usize> {
-    let variables = fitted.spec.terms.iter().flat_map(|term| &term.variables);
-    let index = |variable: &Variable| find_factor(fitted.frame.counts, variable).ok();
-    variables.filter_map(index).map(|(factor, _)| factor).filter(|f| fitted.frame.levels(*f).len() > 1).collect()
+    let all = fitted.spec.terms.iter().flat_map(|term| factors_of(fitted.frame.counts, term));
+    all.filter(|factor| fitted.frame.levels(*factor).len() > 1).collect()
 }
 
 /// Returns the comparisons of all pairs of levels: of each factor whose effect is the same everywhere; on average over the
 /// other factors if it is not, but has a test; and, for each interaction of two factors, of each factor at each level of the
 /// other (simple effects); likewise of the lowest and the highest value of a number at each level of the factor with which it
 /// interacts. For a simple effect, the limit is the larger one of the interaction and the main effect.
-pub(super) fn comparisons(
-    fitted: &Fitted,
-    model: &Model,
-    limits: &[Result<f64, Withheld>],
-    tests: &[TermTest],
-) -> Vec<Comparison> {
-    let terms = &fitted.spec.terms;
+pub(super) fn comparisons(fitted: &Fitted, model: &Model, tests: &[TermTest]) -> Vec<Comparison> {
     let mut all = Vec::new();
-    for (term, &limit) in terms.iter().zip(limits) {
-        if terms.is_marginal(term) {
-            let test = tests.iter().find(|test| test.term == *term && test.p.is_some());
-            if let ([factor @ Variable::Factor(_)], Some(test)) = (&term.variables[..], test) {
-                all.extend(compare(fitted, model, factor, Scope::Average(test), limit));
-            }
-            continue;
-        }
+    for test in tests {
+        let (limit, is_marginal) = (test.limit(), fitted.spec.terms.is_marginal(&test.term));
         let with_main = |factor: &Variable| {
-            let main = terms.iter().position(|term| term.variables == [factor.clone()]);
-            main.map_or(limit, |main| Ok(limit?.max(limits[main]?)))
+            let main = tests.iter().find(|main| main.term.variables == [factor.clone()]);
+            main.map_or(limit, |main| Ok(limit?.max(main.limit()?)))
         };
-        match &term.variables[..] {
-            [factor @ Variable::Factor(_)] => all.extend(compare(fitted, model, factor, Scope::All, limit)),
+        match &test.term.variables[..] {
+            [factor @ Variable::Factor(_)] if !is_marginal || test.p.is_some() => {
+                all.extend(compare(fitted, model, factor, Scope::Whole(test), limit));
+            }
+            _ if is_marginal => {}
             [number @ Variable::Number(_), factor @ Variable::Factor(_)]
             | [factor @ Variable::Factor(_), number @ Variable::Number(_)] => {
                 all.extend(slopes(fitted, model, number, factor, with_main(number)).unwrap_or_default());
@@ -197,10 +170,8 @@ pub(super) fn comparisons(
 /// Where levels are compared.
 #[derive(Clone, Copy)]
 enum Scope<'a> {
-    /// Everywhere: the effect is the same.
-    All,
-    /// On average over the factors with which this one interacts, which has this test.
-    Average(&'a TermTest),
+    /// Everywhere, or on average over the factors with which this one interacts. The factor has this test.
+    Whole(&'a TermTest),
     /// At each level of another factor.
     At(&'a Variable),
 }
@@ -236,16 +207,17 @@ fn compare(
         let name = name(own, level);
         fitted.x.columns.iter().position(|column| is_level(&column.parts, factor.name(), &name))
     };
-    let ratio = |level: u32, lower: u32| match (scope, column(level), column(lower)) {
-        (Scope::All, Some(one), Some(other)) => ratio_at_zero(fitted, Quantity::Difference(one, other)),
-        (Scope::All, one, other) => ratio_at_zero(fitted, Quantity::Coefficient(one.or(other)?)),
-        (Scope::Average(test), ..) if test.df == 1 => test.chi_squared,
-        _ => None,
+    let test = if let Scope::Whole(test) = scope { Some(test) } else { None };
+    let average = test.is_some_and(|test| fitted.spec.terms.is_marginal(&test.term));
+    let ratio = |level: u32, lower: u32| match (test?, column(level), column(lower)) {
+        (test, ..) if average => test.chi_squared.filter(|_| test.df == 1),
+        (_, Some(one), other) => ratio_at_zero(fitted, one, other),
+        (_, None, other) => ratio_at_zero(fitted, other?, None),
     };
     // A difference from the baseline is a coefficient.
-    let interval = |level: u32, lower: u32| match (scope, column(level), column(lower)) {
-        (Scope::All, Some(one), None) => model.coefficients[one].interval,
-        (Scope::All, None, Some(other)) => Some(model.coefficients[other].interval?.map(|end| -end)),
+    let interval = |level: u32, lower: u32| match (test.filter(|_| !average)?, column(level), column(lower)) {
+        (_, Some(one), None) => model.coefficients[one].interval,
+        (_, None, Some(other)) => Some(model.coefficients[other].interval?.map(|end| -end)),
         _ => None,
     };
     let pairs_of = |stratum: Option<u32>| {
@@ -266,13 +238,17 @@ fn compare(
         let implied = implied.map(|ratio| estimate.abs() / ratio.sqrt());
         let at = other.zip(stratum).map(|(other, stratum)| (counts.factors[other].name.clone(), name(other, stratum)));
         let names = (factor.name(), [level, lower].map(|level| name(own, level)), at);
-        let expected = Some(x.map(|x| expected(model, x, &values).0));
-        let average = matches!(scope, Scope::Average(_));
+        let expected = Some(x.map(|x| model.expected(x, &values).mean));
         let own = Comparison { expected, average, ..Comparison::new(names, (estimate, implied.unwrap_or(se)), limit) };
         let interval = own.interval.and_then(|_| interval(level, lower)).or(own.interval);
         Some(Comparison { interval, ..own })
     };
-    corrected(pairs.into_par_iter().filter_map(compare).collect())
+    let mut all = corrected(pairs.into_par_iter().filter_map(compare).collect());
+    if let Some(TermTest { df: 1, p: p @ Some(_), .. }) = test {
+        // The only difference of a term has the term's probability.
+        all.iter_mut().filter(|own| own.p.is_some()).for_each(|own| (own.p, own.p_holm) = (*p, *p));
+    }
+    all
 }
 
 /// Compares the lowest and the highest value of a number at each level of a factor, by the number's coefficient there. `None`
@@ -290,26 +266,27 @@ fn slopes(
         return None;
     }
     let ((own, is_inverse), (other, _)) = (find_factor(counts, number).ok()?, find_factor(counts, factor).ok()?);
-    let value = |level: &str| number_of(level).map(|value| if is_inverse { value.recip() } else { value });
-    let names = |factor: usize| {
-        let mut levels = fitted.frame.levels(factor).to_vec();
-        levels.sort_unstable();
-        levels.into_iter().map(move |level| &counts.factors[factor].levels[level as usize])
-    };
-    let mut values: Vec<(f64, &String)> = names(own).filter_map(|name| Some((value(name)?, name))).collect();
-    values.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let ((low, lowest), (high, highest)) = (*values.first()?, *values.last()?);
-    let at_level = |at: &String| {
-        let is_own = |part: &TermPart| part.variable == *number || part.level.as_ref() == Some(at);
-        let is_there = |column: &Column| {
-            column.parts.iter().any(|part| part.variable == *number) && column.parts.iter().all(is_own)
+    let numbers = fitted.frame.numbers(own, is_inverse).ok()?;
+    let mut values = fitted.frame.levels(own).to_vec();
+    values.sort_by(|a, b| numbers[*a as usize].total_cmp(&numbers[*b as usize]));
+    let ends = [*values.last()?, *values.first()?];
+    let name = |factor: usize, level: u32| counts.factors[factor].levels[level as usize].clone();
+    let at_level = |at: u32| {
+        let combination = |value: u32| {
+            let mut combination = vec![None; counts.factors.len()];
+            (combination[own], combination[other]) = (Some(value), Some(at));
+            combination
         };
-        let weights = fitted.x.columns.iter().map(|column| if is_there(column) { high - low } else { 0.0 });
-        let (estimate, se) = estimated(model, &DVector::from_iterator(fitted.x.columns.len(), weights));
-        let at = Some((counts.factors[other].name.clone(), at.clone()));
-        Comparison::new((&counts.factors[own].name, [highest, lowest].map(Clone::clone), at), (estimate, se), limit)
+        // Only the columns of the number differ between both rows.
+        let x = fitted.x.at(&fitted.frame, &ends.map(combination), &[]).ok()?;
+        let (estimate, se) = estimated(model, &(x.row(0) - x.row(1)).transpose());
+        let names = (&*counts.factors[own].name, ends.map(|value| name(own, value)));
+        let at = Some((counts.factors[other].name.clone(), name(other, at)));
+        Some(Comparison::new((names.0, names.1, at), (estimate, se), limit))
     };
-    Some(corrected(names(other).map(at_level).collect()))
+    let mut levels = fitted.frame.levels(other).to_vec();
+    levels.sort_unstable();
+    Some(corrected(levels.into_iter().filter_map(at_level).collect()))
 }
 
 impl Comparison {

@@ -32,7 +32,7 @@ mod resampling;
 mod search;
 pub mod terms;
 
-pub use calibration::{Calibration, FEW_FOR_LIKELIHOOD_RATIOS, ModelReport, fit_calibrated, fit_with_tests};
+pub use calibration::{Calibration, FEW_FOR_LIKELIHOOD_RATIOS, ModelReport, fit_with_tests};
 pub use checks::{Checks, Order, Proportion};
 pub use estimates::{Prediction, fit};
 pub use interactions::{Interaction, LEAST_FOR_SIGNS};
@@ -47,5 +47,5 @@ pub use model::{
 pub use resampling::Resampling;
 
 pub(super) use design::{Design, Span, check_size};
-pub(super) use fitting::fit_counts;
-pub(super) use likelihood_ratios::{recoded, without_term, without_terms};
+pub(super) use fitting::{Fitted, fit_counts};
+pub(super) use likelihood_ratios::without_term;

@@ -2,13 +2,11 @@
 //! with all other parameters at their best values for that value.
 
 use super::{
-    fitting::{Fitted, How, fit_terms},
-    likelihood_ratios::comparable,
+    design::Design,
+    fitting::{Fitted, How},
 };
-use crate::statistics::{Interval, chi_squared_quantile};
+use crate::statistics::Interval;
 
-/// Coverage of all intervals of a model.
-pub(super) const LEVEL: f64 = 0.95;
 /// A shift of the most extreme condition by this much on the scale of the link is as good as infinite.
 const FAR: f64 = 40.0;
 
@@ -18,28 +16,15 @@ const MANY_PER_PARAMETER: u64 = 10_000;
 /// Number of participants from which the profile may be normal.
 const MANY_PEOPLE: usize = 100;
 
-/// A quantity whose profile is computed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Quantity {
-    /// The coefficient of a column.
-    Coefficient(usize),
-    /// The coefficient of a column minus that of another.
-    Difference(usize, usize),
-}
-
-/// Returns the upper 5 % point of the χ² distribution.
-pub(super) fn chi_squared_limit(df: usize) -> f64 {
-    chi_squared_quantile(LEVEL, df as f64)
-}
-
 fn is_normal(full: &Fitted) -> bool {
     full.frame.total() >= MANY_PER_PARAMETER * full.parameters() as u64 && full.frame.subjects.len() >= MANY_PEOPLE
 }
 
-/// Returns the likelihood ratio against the model in which a quantity is 0; `None` too if a profile is normal, because its
-/// standard error then says the same.
-pub(super) fn ratio_at_zero(full: &Fitted, quantity: Quantity) -> Option<f64> {
-    if is_normal(full) { None } else { ratio(full, quantity, 0.0) }
+/// Returns the likelihood ratio against the model in which the coefficient of a column is 0 or, with another column, equal to
+/// that one's; `None` too if a profile is normal, because its standard error then says the same.
+pub(super) fn ratio_at_zero(full: &Fitted, column: usize, other: Option<usize>) -> Option<f64> {
+    let joined = other.map(|other| full.x.joined(column, other));
+    if is_normal(full) { None } else { ratio(full, joined.as_ref().unwrap_or(&full.x), column, 0.0) }
 }
 
 /// Returns the interval of the coefficient of a column. `limit` is the largest likelihood ratio; `se` is where the search
@@ -48,7 +33,7 @@ pub(super) fn interval(full: &Fitted, column: usize, estimate: f64, se: f64, lim
     if is_normal(full) {
         return Interval::around(estimate, Some(se), limit.sqrt());
     }
-    let ratio = |value: f64| ratio(full, Quantity::Coefficient(column), value);
+    let ratio = |value: f64| ratio(full, &full.x, column, value);
     // On the scale of the link, whatever the unit of a number is.
     let far = FAR / full.standard.scales[column];
     let [low, high] = [-se, se].map(|step| end(&ratio, estimate, step, limit, far));
@@ -88,13 +73,7 @@ fn end(ratio: &impl Fn(f64) -> Option<f64>, estimate: f64, step: f64, limit: f64
     Some(at(distance))
 }
 
-/// Returns the likelihood ratio against the model with a given value of a quantity.
-fn ratio(full: &Fitted, quantity: Quantity, value: f64) -> Option<f64> {
-    let x = match quantity {
-        Quantity::Coefficient(column) => full.x.held(&full.standard, &[(column, value)]),
-        Quantity::Difference(a, b) => full.x.joined(a, b).held(&full.standard, &[(a, value)]),
-    };
-    let how = How { near: Some(full), informed: Some(full), x: Some(&x), ..How::default() };
-    let fitted = fit_terms(full.frame.clone(), full.spec.clone(), Vec::new(), how).ok()?;
-    comparable(full, &fitted).then(|| (2.0 * (full.loglik() - fitted.loglik())).max(0.0))
+/// Returns the likelihood ratio against the model with a given value of the coefficient of a column.
+fn ratio(full: &Fitted, x: &Design, column: usize, value: f64) -> Option<f64> {
+    full.ratio(&full.with_columns(x.held(&full.standard, &[(column, value)]), How::default()))
 }

@@ -15,7 +15,7 @@ use super::{
 };
 use crate::analysis::{
     counts::crossing,
-    frame::{Frame, find_factor},
+    frame::{Frame, factors_of, find_factor},
 };
 
 /// A random slope needs on average this many ratings per participant and level; with fewer, it cannot be told apart
@@ -89,15 +89,14 @@ impl RandomPart {
     fn add_independent(&mut self, frame: &Frame, terms: &Terms, notes: &mut Vec<Note>) -> Result<(), ModelError> {
         let mut own: Vec<(u64, Component)> = Vec::new();
         for term in terms.iter() {
-            let part = within_part(frame, term)?;
+            let part = within_part(frame, term);
             if part.variables.is_empty() || own.iter().any(|(_, other)| other.term.same(&part)) {
                 continue;
             }
             let component = independent(frame, &part)?;
             // The deviation of someone who rated one level is not an effect besides the intercept.
-            let factors = part.variables.iter().filter_map(|variable| find_factor(frame.counts, variable).ok());
             let crossing: BTreeSet<u32> =
-                factors.flat_map(|(factor, _)| crossing(frame.counts, &frame.rows, factor)).collect();
+                factors_of(frame.counts, &part).flat_map(|own| crossing(frame.counts, &frame.rows, own)).collect();
             let rows = frame.rows.iter().filter(|row| crossing.contains(&row.subject));
             let of_subjects: BTreeSet<(u32, usize)> =
                 rows.map(|row| (row.subject, component.groups[row.condition as usize])).collect();
@@ -128,12 +127,9 @@ impl RandomPart {
     }
 
     fn add_correlated(&mut self, frame: &Frame, terms: &Terms) -> Result<(), ModelError> {
-        let main = terms.iter().filter(|term| term.variables.len() == 1);
-        let mut own = Vec::new();
-        for term in main {
-            own.extend(Some(within_part(frame, term)?).filter(|term| !term.variables.is_empty()));
-        }
-        let design = Design::new(frame, &Terms::new(own))?.independent(frame);
+        let main = terms.iter().filter(|term| term.is_main()).map(|term| within_part(frame, term));
+        let own = Terms::new(main.filter(Term::is_main));
+        let design = Design::new(frame, &own)?.independent(frame);
         let effects = 1 + design.columns.len();
         if effects > MAX_CORRELATED {
             return Err(ModelError::TooManySlopes { effects, most: MAX_CORRELATED });
@@ -204,15 +200,10 @@ impl RandomPart {
 }
 
 /// Returns the variables of a term of which any participant rated several levels.
-pub(super) fn within_part(frame: &Frame, term: &Term) -> Result<Term, ModelError> {
-    let mut variables = Vec::new();
-    for variable in &term.variables {
-        let (factor, _) = find_factor(frame.counts, variable)?;
-        if crossing(frame.counts, &frame.rows, factor).next().is_some() {
-            variables.push(variable.clone());
-        }
-    }
-    Ok(Term { variables })
+pub(super) fn within_part(frame: &Frame, term: &Term) -> Term {
+    let is_within = |factor| crossing(frame.counts, &frame.rows, factor).next().is_some();
+    let is_own = |variable: &&Variable| find_factor(frame.counts, variable).is_ok_and(|(own, _)| is_within(own));
+    Term { variables: term.variables.iter().filter(is_own).cloned().collect() }
 }
 
 /// Creates the deviations at each combination of a term's levels, multiplied by the term's numbers about their means.
@@ -244,8 +235,7 @@ fn independent(frame: &Frame, term: &Term) -> Result<Component, ModelError> {
 
 /// Subtracts the mean over all ratings. Conditions that do not occur, which may lack the number, have the value 0.
 fn center(frame: &Frame, values: &mut [f64]) {
-    let sum: f64 = frame.rows.iter().map(|row| row.count as f64 * values[row.condition as usize]).sum();
-    let mean = sum / frame.total() as f64;
+    let mean = frame.mean(|condition| values[condition]);
     let mut centered = vec![0.0; values.len()];
     frame.conditions().into_iter().for_each(|c| centered[c as usize] = values[c as usize] - mean);
     values.copy_from_slice(&centered);

@@ -17,13 +17,13 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
+    clm::Fit,
     clmm::ClmmData,
     design::Design,
     estimates::finite_estimates,
-    fitting::{Fitted, How, Layout, fit_terms, lay_out, layout},
-    likelihood_ratios::{comparable, is_decided},
+    fitting::{Fitted, How, Layout, lay_out},
+    likelihood_ratios::is_decided,
     link::Link,
-    search::MixedFit,
     terms::Term,
 };
 use crate::{
@@ -78,7 +78,7 @@ pub(super) fn simulate(
     let mut open = vec![true; tested.len()];
     let of_study = |study: u32, open: &[bool]| {
         let designs: Vec<Option<&Held>> = held.iter().zip(open).map(|(held, open)| open.then_some(held)).collect();
-        let ratios = simulator.study(settings.seed, study.into()).and_then(|frame| ratios(full, frame, &designs));
+        let ratios = simulator.study(settings.seed, study.into()).map(|frame| ratios(full, frame, &designs));
         progress();
         ratios.unwrap_or_else(|| vec![f64::NAN; tested.len()])
     };
@@ -101,17 +101,15 @@ pub(super) fn simulate(
 /// A design in which the coefficients of a term have their estimates, and the fit that it is of.
 type Held<'a> = (Design, &'a Fitted<'a>);
 
-/// Returns the ratio of each design, if there is one, in a simulated study; `None` if the study allows no fit.
-fn ratios(full: &Fitted, frame: Frame, designs: &[Option<&Held>]) -> Option<Vec<f64>> {
-    let how = How { x: Some(&full.x), near: Some(full), informed: Some(full), rough: true, ..How::default() };
-    let free = fit_terms(frame, full.spec.clone(), Vec::new(), how).ok()?;
+/// Returns the ratio of each design, if there is one, in a simulated study; NaN if the study allows no fit.
+fn ratios(full: &Fitted, frame: Frame, designs: &[Option<&Held>]) -> Vec<f64> {
+    let how = How { rough: true, ..How::default() };
+    let free = full.refit(frame, full.x.clone(), how);
     let fixed = |(x, model): &Held| {
         let near = if std::ptr::eq(*model, full) && free.mixed.is_some() { &free } else { *model };
-        let how = How { x: Some(x), near: Some(near), informed: Some(model), ..how };
-        let fixed = fit_terms(free.frame.clone(), free.spec.clone(), Vec::new(), how).ok()?;
-        comparable(&free, &fixed).then(|| (2.0 * (free.loglik() - fixed.loglik())).max(0.0))
+        free.ratio(&near.refit(free.frame.clone(), x.clone(), How { informed: Some(model), ..how }))
     };
-    Some(designs.iter().map(|held| held.and_then(fixed).unwrap_or(f64::NAN)).collect())
+    designs.iter().map(|held| held.and_then(fixed).unwrap_or(f64::NAN)).collect()
 }
 
 /// Corrects the standard deviations of independent effects for the means over participants that are estimated, as
@@ -119,7 +117,7 @@ fn ratios(full: &Fitted, frame: Frame, designs: &[Option<&Held>]) -> Option<Vec<
 /// together are too small by the factor (n − p)/n. Otherwise, a deviation that is small or 0 by chance would make
 /// simulated studies less variable than real ones. The median of a variance with ν degrees of freedom is smaller than its
 /// mean by about 2/3 of a degree, so the correction makes the median right.
-fn correct_deviations(fitted: &Fitted, data: &ClmmData, mixed: &MixedFit, parameters: &mut DVector<f64>) {
+fn correct_deviations(fitted: &Fitted, data: &ClmmData, mixed: &Fit, parameters: &mut DVector<f64>) {
     if fitted.random.correlated {
         return;
     }
@@ -179,7 +177,7 @@ fn order_of_draws(fitted: &Fitted, weights: &[Vec<(usize, f64)>], own: usize) ->
 impl<'a> Simulator<'a> {
     /// Lays out a fit. If `corrected`, standard deviations are corrected for the means that are estimated.
     pub fn new(fitted: &'a Fitted<'a>, corrected: bool) -> Self {
-        let Layout { data, .. } = layout(fitted);
+        let Layout { data, .. } = lay_out(fitted, fitted.random.is_crossed());
         let mut parameters = fitted.searched(&data);
         if !fitted.random.correlated {
             // A seed gives the same studies, whatever the signs.

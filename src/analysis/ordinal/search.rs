@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::{
-    clm::{ClmFit, positive_definite},
+    clm::{Fit, FitEnd, halved, positive_definite},
     clmm::{ClmmData, Evaluation, Modes},
 };
 use crate::system::checkpoint;
@@ -17,34 +17,6 @@ use crate::system::checkpoint;
 const NO_SIGMA: f64 = 1e-4;
 /// A parameter above this counts as having no finite estimate. Columns are standardized to a size of 1.
 const MAX_PARAMETER: f64 = 60.0;
-
-/// How a search ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum MixedFitEnd {
-    /// The gradient is small.
-    Converged,
-    /// A standard deviation, or an effect within participants, grows without bound.
-    Diverged,
-    /// The search could not continue.
-    Stalled,
-}
-
-/// A maximum of a mixed model's likelihood.
-#[derive(Clone, Debug)]
-pub(super) struct MixedFit {
-    /// θ, β and ψ; a deviation may be negative, with the effects that belong to it.
-    pub parameters: DVector<f64>,
-    pub loglik: f64,
-    /// Largest absolute element of the gradient over the free parameters.
-    pub gradient: f64,
-    /// The indices of the parameters to which the information belongs: those that have finite estimates other than a
-    /// standard deviation of 0.
-    pub free: Vec<usize>,
-    /// Observed information of the free parameters.
-    pub information: DMatrix<f64>,
-    pub modes: Modes,
-    pub end: MixedFitEnd,
-}
 
 /// A search over the free parameters; all others keep their starting values.
 struct Search<'a> {
@@ -60,18 +32,14 @@ struct Search<'a> {
 /// What a search needs to know besides the data.
 #[derive(Clone, Copy)]
 pub(super) struct Task<'a> {
-    /// The fit of the model without random effects (θ and β).
-    pub plain: &'a ClmFit,
-    /// Where to start (θ, β and ψ); `None` tries a few standard deviations.
-    pub start: Option<&'a DVector<f64>>,
-    /// Starting values of the modes.
-    pub modes: Option<&'a Modes>,
+    /// The fit of the model without random effects (θ and β). Its free parameters and ψ may change.
+    pub plain: &'a Fit,
+    /// Where to start (θ, β and ψ), with the modes; `None` tries a few standard deviations.
+    pub start: Option<(&'a DVector<f64>, &'a Modes)>,
     /// The information of the free parameters in a similar fit.
     pub information: Option<&'a DMatrix<f64>>,
     /// Whether a deviation that arrives at 0 stays there, and the likelihood is needed to four decimals only.
     pub rough: bool,
-    /// The indices of the parameters that may change, in order.
-    pub free: &'a [usize],
     /// The largest gradient that counts as zero.
     pub tolerance: f64,
     /// Whether to compute the information. Without it, the gradient is only as small as the likelihood needs.
@@ -79,27 +47,27 @@ pub(super) struct Task<'a> {
 }
 
 /// Fits a mixed model.
-pub(super) fn fit(data: &ClmmData, task: Task<'_>) -> Option<MixedFit> {
+pub(super) fn fit(data: &ClmmData, task: Task<'_>) -> Option<Fit> {
     let tolerance = task.tolerance;
     let mut search = Search::begin(data, task)?;
     let mut end = search.climb(task);
     // Each pass holds at least one more deviation at 0, or the search ends.
     for _ in 0..=data.loadings.parameters {
-        if !search.hold_zeros(task.free, task.rough) {
+        if !search.hold_zeros(task.rough) {
             break;
         }
         end = search.climb(task);
     }
     let is_zero = |parameter: &usize| search.at[data.first_psi() + parameter] == 0.0;
     if data.loadings.independent && data.loadings.deviations.iter().all(is_zero) {
-        let information = search.move_to_boundary(task)?;
-        return Some(search.finish(MixedFitEnd::Converged, information));
+        search.move_to_boundary(task.plain)?;
+        return Some(search.finish(FitEnd::Converged, task.plain.information.clone()));
     }
-    if end == MixedFitEnd::Diverged || (!task.errors && end == MixedFitEnd::Converged) {
+    if end == FitEnd::Diverged || (!task.errors && end == FitEnd::Converged) {
         return Some(search.finish(end, DMatrix::zeros(0, 0)));
     }
     let information = search.polish(tolerance)?;
-    let end = if search.gradient() <= 1e3 * tolerance { MixedFitEnd::Converged } else { MixedFitEnd::Stalled };
+    let end = if search.gradient() <= 1e3 * tolerance { FitEnd::Converged } else { FitEnd::Stalled };
     Some(search.finish(end, information))
 }
 
@@ -108,28 +76,28 @@ impl<'a> Search<'a> {
     /// the fit without random effects.
     fn begin(data: &'a ClmmData, task: Task<'_>) -> Option<Self> {
         let mut best: Option<Self> = None;
-        let psi = |(intercept, slope): (f64, f64)| {
-            let mut psi = vec![0.0; data.loadings.parameters];
+        let at = |(intercept, slope): (f64, f64)| {
+            let mut at = task.plain.parameters.clone().resize_vertically(data.parameters(), 0.0);
             for (place, &parameter) in data.loadings.deviations.iter().enumerate() {
-                psi[parameter] = if place == 0 { intercept } else { slope };
+                at[data.first_psi() + parameter] = if place == 0 { intercept } else { slope };
             }
-            let start = &task.plain.parameters;
-            DVector::from_iterator(start.len() + psi.len(), start.iter().copied().chain(psi))
+            at
         };
         let starts: Vec<DVector<f64>> = match task.start {
-            Some(start) => vec![start.clone()],
+            Some((start, _)) => vec![start.clone()],
             None => {
                 let several = if data.loadings.effects() > 1 { &[(0.6, 1.5), (1.2, 3.0)][..] } else { &[] };
-                [(0.25, 0.3), (0.6, 0.3), (1.2, 0.3), (3.0, 0.3)].iter().chain(several).copied().map(psi).collect()
+                [(0.25, 0.3), (0.6, 0.3), (1.2, 0.3), (3.0, 0.3)].iter().chain(several).copied().map(at).collect()
             }
         };
         for at in starts {
-            let first = || task.modes.cloned().unwrap_or_else(|| data.modes());
+            let first = || task.start.map_or_else(|| data.modes(), |(_, modes)| modes.clone());
             let mut modes = best.as_ref().map_or_else(first, |best| best.modes.clone());
             if let Some(value) = data.evaluate(&at, &mut modes)
                 && best.as_ref().is_none_or(|best| value.loglik > best.value.loglik)
             {
-                best = Some(Self { data, free: task.free.to_vec(), modes, at, value, inverse: DMatrix::zeros(0, 0) });
+                let free = task.plain.free.iter().copied().chain(data.first_psi()..data.parameters()).collect();
+                best = Some(Self { data, free, modes, at, value, inverse: DMatrix::zeros(0, 0) });
             }
         }
         let mut best = best?;
@@ -140,17 +108,14 @@ impl<'a> Search<'a> {
 
     /// Holds the deviations that are close to 0 at 0, and moves those away again at which another value is better.
     /// Returns whether the search must continue.
-    fn hold_zeros(&mut self, free: &[usize], rough: bool) -> bool {
+    fn hold_zeros(&mut self, rough: bool) -> bool {
         if !self.data.loadings.independent {
             return false;
         }
         let first = self.data.first_psi();
         let indices: Vec<usize> = self.data.loadings.deviations.iter().map(|parameter| first + parameter).collect();
-        let close: Vec<usize> = indices
-            .iter()
-            .copied()
-            .filter(|&i| self.at[i] != 0.0 && self.at[i].abs() < NO_SIGMA && free.contains(&i))
-            .collect();
+        let is_close = |i: &usize| self.at[*i] != 0.0 && self.at[*i].abs() < NO_SIGMA;
+        let close: Vec<usize> = indices.iter().copied().filter(is_close).collect();
         for &index in &close {
             let mut to = self.at.clone();
             to[index] = 0.0;
@@ -162,8 +127,7 @@ impl<'a> Search<'a> {
                 self.inverse = self.inverse.clone().remove_row(place).remove_column(place);
             }
         }
-        let zeros: Vec<usize> =
-            indices.into_iter().filter(|&i| !rough && self.at[i] == 0.0 && free.contains(&i)).collect();
+        let zeros: Vec<usize> = indices.into_iter().filter(|&i| !rough && self.at[i] == 0.0).collect();
         let mut moved = false;
         for index in zeros {
             for sigma in [0.05, 0.5] {
@@ -195,7 +159,7 @@ impl<'a> Search<'a> {
     }
 
     fn free_gradient(&self) -> DVector<f64> {
-        DVector::from_iterator(self.free.len(), self.free.iter().map(|&index| self.value.gradient[index]))
+        self.value.gradient.select_rows(&self.free)
     }
 
     fn gradient(&self) -> f64 {
@@ -215,19 +179,15 @@ impl<'a> Search<'a> {
     fn take(&mut self, step: &DVector<f64>) -> Option<f64> {
         let slope = self.free_gradient().dot(step);
         let slack = 1e-13 * self.value.loglik.abs();
-        let mut factor = 1.0;
-        for _ in 0..40 {
-            let to = self.moved(&(step * factor));
-            let mut modes = self.modes.clone();
-            if let Some(value) = self.data.evaluate(&to, &mut modes)
-                && value.loglik >= self.value.loglik + 1e-4 * factor * slope - slack
-            {
+        halved(|factor| {
+            let (to, mut modes) = (self.moved(&(step * factor)), self.modes.clone());
+            let value = self.data.evaluate(&to, &mut modes)?;
+            let is_enough = value.loglik >= self.value.loglik + 1e-4 * factor * slope - slack;
+            is_enough.then(|| {
                 (self.at, self.value, self.modes) = (to, value, modes);
-                return Some(factor);
-            }
-            factor /= 2.0;
-        }
-        None
+                factor
+            })
+        })
     }
 
     /// Returns the mean number of effects of a component: about the information on its standard deviation.
@@ -238,17 +198,14 @@ impl<'a> Search<'a> {
 
     /// Returns the information with which a search begins: that of the model without random effects and, for each ψ, the
     /// number of effects.
-    fn first_information(&self, plain: &ClmFit) -> DMatrix<f64> {
-        let (effects, first_psi) = (self.effects(), self.data.first_psi());
-        DMatrix::from_fn(self.free.len(), self.free.len(), |row, column| match (self.free[row], self.free[column]) {
-            (i, j) if i.max(j) < first_psi => plain.information[(i, j)],
-            (i, j) if i == j => effects,
-            _ => 0.0,
-        })
+    fn first_information(&self, plain: &Fit) -> DMatrix<f64> {
+        let mut information = DMatrix::identity(self.free.len(), self.free.len()) * self.effects();
+        information.view_mut((0, 0), plain.information.shape()).copy_from(&plain.information);
+        information
     }
 
     /// Takes quasi-Newton steps (Broyden, Fletcher, Goldfarb, Shanno).
-    fn climb(&mut self, task: Task<'_>) -> MixedFitEnd {
+    fn climb(&mut self, task: Task<'_>) -> FitEnd {
         const MAX_ITERATIONS: usize = 300;
         // Twice the distance of the log-likelihood from its maximum that is as good as none.
         let small = if task.rough { 1e-4 } else { 1e-9 };
@@ -256,24 +213,24 @@ impl<'a> Search<'a> {
             checkpoint();
             // Newton's method takes over near the maximum.
             if self.gradient() <= 1e3 * task.tolerance {
-                return MixedFitEnd::Converged;
+                return FitEnd::Converged;
             }
             if self.at.amax() > MAX_PARAMETER {
-                return MixedFitEnd::Diverged;
+                return FitEnd::Diverged;
             }
             let before = self.free_gradient();
             let mut step = &self.inverse * &before;
             if !task.errors && iteration > 0 && before.dot(&step) < small {
-                return MixedFitEnd::Converged;
+                return FitEnd::Converged;
             }
             // Limit how far a parameter can jump: a bound that moves by 3 has crossed most of the scale.
             step *= (3.0 / step.amax()).min(1.0);
-            let Some(factor) = self.take(&step) else { return MixedFitEnd::Stalled };
+            let Some(factor) = self.take(&step) else { return FitEnd::Stalled };
             step *= factor;
             let change = before - self.free_gradient();
             update_inverse(&mut self.inverse, &step, &change);
         }
-        MixedFitEnd::Stalled
+        FitEnd::Stalled
     }
 
     /// Takes Newton steps with the observed information and returns that information.
@@ -323,23 +280,23 @@ impl<'a> Search<'a> {
         let gradient = |sign: f64| {
             let to = self.moved(&(direction * (sign * distance)));
             let value = self.data.evaluate(&to, &mut self.modes.clone())?;
-            Some(DVector::from_iterator(self.free.len(), self.free.iter().map(|&index| value.gradient[index])))
+            Some(value.gradient.select_rows(&self.free))
         };
         Some((gradient(-1.0)? - gradient(1.0)?) / (2.0 * distance))
     }
 
-    /// Sets ψ to 0 and all other parameters to the estimates of the model without random effects. Returns their information.
-    fn move_to_boundary(&mut self, Task { plain, free, .. }: Task<'_>) -> Option<DMatrix<f64>> {
+    /// Sets ψ to 0 and all other parameters to the estimates of the model without random effects.
+    fn move_to_boundary(&mut self, plain: &Fit) -> Option<()> {
         self.at = plain.parameters.clone().resize_vertically(self.data.parameters(), 0.0);
         self.value = self.data.evaluate(&self.at, &mut self.modes)?;
-        self.free = free.iter().copied().filter(|&index| index < self.data.first_psi()).collect();
-        Some(plain.information.select_rows(&self.free).select_columns(&self.free))
+        self.free.clone_from(&plain.free);
+        Some(())
     }
 
-    fn finish(self, end: MixedFitEnd, information: DMatrix<f64>) -> MixedFit {
+    fn finish(self, end: FitEnd, information: DMatrix<f64>) -> Fit {
         let gradient = self.gradient();
         let Self { free, modes, at, value, .. } = self;
-        MixedFit { parameters: at, loglik: value.loglik, gradient, free, information, modes, end }
+        Fit { parameters: at, loglik: value.loglik, gradient, free, information, modes, end }
     }
 }
 

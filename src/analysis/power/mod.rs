@@ -19,4 +19,4 @@ mod plan;
 mod scenario;
 
 pub use plan::{Plan, Power, Sampling};
-pub use scenario::{Effect, Hypothesis, PlanError, Shift, Slope, Test};
+pub use scenario::{Effect, Hypothesis, PlanError, Scenario, Shift, Slope, Test};

@@ -8,7 +8,7 @@ use crate::{
         FEW_FOR_LIKELIHOOD_RATIOS, MAX_COEFFICIENTS, ModelSpec, Options, Slopes, Withheld,
         counts::Counts,
         frame::Frame,
-        ordinal::{check_size, fit_counts, recoded, terms::Term, without_term, without_terms},
+        ordinal::{Fitted, check_size, fit_counts, terms::Term, without_term},
         rank_tests::{SubjectMeans, friedman},
         results::model_spec,
     },
@@ -39,7 +39,7 @@ impl Default for Sampling {
 /// A definition, an observer and a model: everything except the number of participants.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    scenario: Scenario,
+    pub scenario: Scenario,
     pub spec: ModelSpec,
     /// The hypotheses and their tests.
     pub hypotheses: Vec<Hypothesis>,
@@ -103,15 +103,6 @@ impl Plan {
         Ok(Self { scenario, spec, hypotheses })
     }
 
-    pub fn observer(&self) -> &OrderedLogit {
-        &self.scenario.observer
-    }
-
-    /// Returns how much the simulated people differ in the effects.
-    pub fn slopes(&self) -> &[Slope] {
-        &self.scenario.slopes
-    }
-
     /// Returns the simulated slopes if the model of several participants allows for none, so that its p values are too small.
     /// If only the design allows for none, the test is withheld.
     pub fn unmodeled(&self) -> impl Iterator<Item = &Slope> {
@@ -119,7 +110,7 @@ impl Plan {
             self.scenario.outline.factor(&slope.factor).is_some_and(|(_, factor)| factor.levels.len() > 1)
         };
         let has_none = self.spec.slopes == Slopes::None;
-        self.slopes().iter().filter(move |slope| has_none && slope.sd > 0.0 && varies(slope))
+        self.scenario.slopes.iter().filter(move |slope| has_none && slope.sd > 0.0 && varies(slope))
     }
 
     /// Returns the number of studies without an effect that calibrate its likelihood ratio, or `None` if the χ²
@@ -164,14 +155,28 @@ impl Plan {
             .map(|study| {
                 let Scenario { predictors, slopes, .. } = &self.scenario;
                 let counts = self.scenario.study((predictors, slopes), true, people, study, sampling.seed);
-                let outcomes = outcomes(&counts, &self.spec, &self.hypotheses, &nulls);
+                // Omit the standard errors: likelihood-ratio tests do not need them.
+                let fitted = fit_counts(&counts, &self.spec, false).ok();
+                let of = |(hypothesis, null): (&Hypothesis, &Option<Vec<f64>>)| {
+                    outcome(&counts, fitted.as_ref(), hypothesis, null.as_deref())
+                };
+                let outcomes = self.hypotheses.iter().zip(&nulls).map(of).collect();
                 progress(people.into());
                 outcomes
             })
             .collect();
-        let tested =
-            (0..self.hypotheses.len()).filter(|index| people > 1 || self.hypotheses[*index].test != Test::Friedman);
-        tested.map(|index| power(people, index, &outcomes, sampling.alpha)).collect()
+        let power = |(index, hypothesis): (usize, &Hypothesis)| {
+            let all = || outcomes.iter().map(|outcomes| outcomes[index]);
+            (people > 1 || hypothesis.test != Test::Friedman).then(|| Power {
+                participants: people,
+                hypothesis: index,
+                studies: outcomes.len(),
+                found: all().filter(|(p, _)| p.is_some_and(|p| p < sampling.alpha)).count(),
+                untested: all().filter(|(p, _)| p.is_none()).count(),
+                withheld: all().rev().find_map(|(_, withheld)| withheld),
+            })
+        };
+        self.hypotheses.iter().enumerate().filter_map(power).collect()
     }
 
     /// Returns the likelihood ratios of a term in studies in which it has no effect; not finite where a study allows no
@@ -189,50 +194,34 @@ impl Plan {
         progress: &(dyn Fn(u64) + Sync),
     ) -> Vec<f64> {
         // The model of one participant has no random effects.
-        let slopes = if people > 1 && self.spec.slopes != Slopes::None { self.slopes() } else { &[] };
+        let slopes = if people > 1 && self.spec.slopes != Slopes::None { &self.scenario.slopes[..] } else { &[] };
         let ratio = |study: u32| {
             let counts = self.scenario.study((predictors, slopes), false, people, study, seed);
             let fitted = fit_counts(&counts, &self.spec, false).ok();
-            let test = fitted.and_then(|fitted| without_term(&fitted, term).ok());
+            let ratio = fitted.and_then(|fitted| without_term(&fitted, term).chi_squared);
             progress(people.into());
-            test.and_then(|test| test.chi_squared).unwrap_or(f64::NAN)
+            ratio.unwrap_or(f64::NAN)
         };
         (0..studies).into_par_iter().map(ratio).collect()
-    }
-}
-
-/// Counts the outcomes of a hypothesis over all studies.
-fn power(participants: u32, hypothesis: usize, outcomes: &[Vec<Outcome>], alpha: f64) -> Power {
-    let all = || outcomes.iter().map(|outcomes| outcomes[hypothesis]);
-    Power {
-        participants,
-        hypothesis,
-        studies: outcomes.len(),
-        found: all().filter(|(p, _)| p.is_some_and(|p| p < alpha)).count(),
-        untested: all().filter(|(p, _)| p.is_none()).count(),
-        withheld: all().rev().find_map(|(_, withheld)| withheld),
     }
 }
 
 /// The outcome of one hypothesis in one study: the probability from the test, if there is one, and why an analysis withholds it.
 type Outcome = (Option<f64>, Option<Withheld>);
 
-/// Returns the outcome of each hypothesis in a study. `nulls` are the likelihood ratios without the effect, for the
-/// hypotheses that they calibrate.
-fn outcomes(counts: &Counts, spec: &ModelSpec, hypotheses: &[Hypothesis], nulls: &[Option<Vec<f64>>]) -> Vec<Outcome> {
-    // Omit the standard errors: likelihood-ratio tests do not need them.
-    let fitted = fit_counts(counts, spec, false).ok();
-    let tests = fitted.as_ref().and_then(|fitted| without_terms(fitted, recoded(fitted, false).as_ref()).ok());
-    let probability = |hypothesis: &Hypothesis, null: &Option<Vec<f64>>| {
-        let mut test = tests.iter().flatten().find(|test| test.term == hypothesis.term)?.clone();
-        null.iter().for_each(|ratios| test.calibrate(ratios));
+/// Returns the outcome of a hypothesis in a study, which was fitted if possible. `null` are the likelihood ratios without the
+/// effect, if they calibrate the test.
+fn outcome(counts: &Counts, fitted: Option<&Fitted>, hypothesis: &Hypothesis, null: Option<&[f64]>) -> Outcome {
+    let Hypothesis { term, test, .. } = hypothesis;
+    if let (Test::Friedman, Some((factor, _))) = (test, counts.factor(term.name())) {
+        return (friedman(&SubjectMeans::new(counts, factor)).map(|test| test.p), None);
+    }
+    let Some(fitted) = fitted else { return (None, None) };
+    let withheld = fitted.withheld(term);
+    let probability = || {
+        let mut test = without_term(fitted, term);
+        null.iter().for_each(|ratios| test.calibrate(ratios, false));
         test.p
     };
-    let withheld = |hypothesis: &Hypothesis| fitted.as_ref()?.withheld(&hypothesis.term);
-    let outcome = |(hypothesis, null): (&Hypothesis, _)| match (hypothesis.test, counts.factor(hypothesis.term.name()))
-    {
-        (Test::Friedman, Some((factor, _))) => (friedman(&SubjectMeans::new(counts, factor)).map(|test| test.p), None),
-        _ => (probability(hypothesis, null).filter(|_| withheld(hypothesis).is_none()), withheld(hypothesis)),
-    };
-    hypotheses.iter().zip(nulls).map(outcome).collect()
+    (if withheld.is_none() { probability() } else { None }, withheld)
 }

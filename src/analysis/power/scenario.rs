@@ -13,7 +13,7 @@ use crate::{
     analysis::{
         ModelError,
         counts::{CountRow, Counts, MeasuredBuilder},
-        frame::{Frame, find_factor},
+        frame::{Frame, factors_of},
         levels,
         ordinal::{
             Design, Span,
@@ -21,7 +21,7 @@ use crate::{
         },
     },
     experiment::{Factor, OrderedLogit, Protocol},
-    text::names::expected_one_of,
+    text::names::{expected_one_of, named},
 };
 
 /// The reason why a plan is impossible.
@@ -83,7 +83,7 @@ pub struct Slope {
 
 /// A definition and its observer.
 #[derive(Clone, Debug)]
-pub(super) struct Scenario {
+pub struct Scenario {
     /// Every condition of the definition, rated lowest by one participant and highest by another, so that a design can be laid
     /// out.
     pub outline: Counts,
@@ -227,15 +227,15 @@ impl Shift {
     }
 }
 
-/// The kind of test of an effect.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Test {
-    /// Likelihood-ratio test of a term of the ordinal model. The model is mixed, or has no random intercept if there is
-    /// only one participant.
-    LikelihoodRatio,
-    /// Friedman's test of a factor, applied to each participant's mean rating at each level.
-    Friedman,
+named! {
+    /// The kind of test of an effect.
+    Test, TestError {
+        /// Likelihood-ratio test of a term of the ordinal model. The model is mixed, or has no random intercept if there is
+        /// only one participant.
+        LikelihoodRatio = "likelihood-ratio",
+        /// Friedman's test of a factor, applied to each participant's mean rating at each level.
+        Friedman = "friedman",
+    }
 }
 
 /// An existing effect: the largest difference that the term makes in the observer's linear predictor between two
@@ -270,32 +270,23 @@ const NO_BAND: f64 = 30.0;
 impl Scenario {
     /// Returns the test of every testable term, each followed by Friedman's test of its factor, and then Friedman's
     /// tests of the remaining factors.
-    pub fn hypotheses(&self, frame: &Frame, terms: &Terms) -> Result<Vec<Hypothesis>, PlanError> {
+    pub(super) fn hypotheses(&self, frame: &Frame, terms: &Terms) -> Result<Vec<Hypothesis>, PlanError> {
         let (mut hypotheses, mut seen) = (Vec::new(), BTreeSet::new());
+        let mut friedman = |factor| seen.insert(factor).then(|| self.of_factor(frame, factor))?;
         for term in terms.iter().filter(|term| !terms.is_marginal(term)) {
             hypotheses.push(self.of_term(frame, terms, term)?);
-            if let [factor] = self.factors(term)?[..] {
-                hypotheses.extend(seen.insert(factor).then(|| self.of_factor(frame, factor)).flatten());
+            if let [factor] = self.factors(term)[..] {
+                hypotheses.extend(friedman(factor));
             }
         }
-        for term in terms.iter() {
-            for factor in self.factors(term)? {
-                hypotheses.extend(seen.insert(factor).then(|| self.of_factor(frame, factor)).flatten());
-            }
-        }
+        hypotheses.extend(terms.iter().flat_map(|term| self.factors(term)).filter_map(friedman));
         Ok(hypotheses)
     }
 
     /// Returns the indices of the factors of a term.
-    fn factors(&self, term: &Term) -> Result<Vec<usize>, PlanError> {
-        let mut factors = Vec::new();
-        for variable in &term.variables {
-            let (index, _) = find_factor(&self.outline, variable)?;
-            if !factors.contains(&index) {
-                factors.push(index);
-            }
-        }
-        Ok(factors)
+    fn factors(&self, term: &Term) -> Vec<usize> {
+        let mut seen = BTreeSet::new();
+        factors_of(&self.outline, term).filter(|factor| seen.insert(*factor)).collect()
     }
 
     /// Creates the hypothesis for a term. Its effect is the part of the predictor that no other term of the model can
@@ -309,7 +300,7 @@ impl Scenario {
         let predictors = self.floored();
         let part = whole.project(&predictors) - rest.project(&predictors);
         let extremes = self.extremes(&part);
-        let factors = self.factors(term)?;
+        let factors = self.factors(term);
         let effect = extremes.map(|(above, below)| self.effect(&part, above, below, &factors));
         let absent = Some((predictors - &part).iter().copied().collect());
         Ok(Hypothesis { term: term.clone(), test: Test::LikelihoodRatio, effect, absent })

@@ -11,7 +11,6 @@ use super::names;
 use crate::{
     analysis::{
         Comparison, Link, Model, ModelReport, Note, Results, Slopes, TermTest, find_factor, number_of,
-        rank_tests::PMethod,
         results::FactorResults,
         terms::{Term, Variable},
     },
@@ -270,10 +269,7 @@ pub(super) fn evidence(results: &Results, factor: &FactorResults) -> Option<Evid
         return Some(Evidence { test: ratio_test(test), p, is_rank_test: false });
     }
     let test = factor.friedman.filter(|_| factor.within && results.is_inferential())?;
-    let name = match test.method {
-        PMethod::Exact => "exact Friedman test",
-        PMethod::ChiSquared => "Friedman test",
-    };
+    let name = if test.is_exact { "exact Friedman test" } else { "Friedman test" };
     let text = format!("{name}: χ²({}) = {}", test.df, fixed(test.chi_squared, 1));
     Some(Evidence { test: text, p: test.p, is_rank_test: true })
 }

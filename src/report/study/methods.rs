@@ -2,7 +2,7 @@
 
 use super::{findings, health, model::is_additive, names};
 use crate::{
-    analysis::{Model, RandomSlope, Results, TermTest, rank_tests::PMethod, results::FactorResults, terms::Variable},
+    analysis::{Model, RandomSlope, Results, TermTest, results::FactorResults, terms::Variable},
     experiment::{Protocol, ResponseScale},
     report::document::{Section, count, fixed, list, times},
     store::ratings::Source,
@@ -163,7 +163,7 @@ fn description(results: &Results) -> Vec<String> {
             "The conclusion about {} rests on Friedman’s test (Friedman, 1937) with {} p value, of participants’ means over those \
              conditions of the other factors that they rated at every level, because its test in the model is not used: {}.",
             names::factor(results, &factor.name),
-            if factor.friedman?.method == PMethod::Exact { "an exact" } else { "a χ²" },
+            if factor.friedman?.is_exact { "an exact" } else { "a χ²" },
             reason.unwrap_or_else(|| "the model has no random slopes, as requested".to_owned())
         ))
     };
