@@ -5,7 +5,7 @@ use std::{
     path::Path,
 };
 
-use eframe::egui::{Align, ComboBox, Layout, Response, TextEdit, Ui};
+use eframe::egui::{Align, ComboBox, Id, Layout, Response, TextEdit, Ui};
 
 use crate::{
     app::ui::{self, Field, parameter, theme::Icon},
@@ -258,21 +258,25 @@ impl DefinitionForm {
             let parameter = self.parameters().iter().find(|parameter| parameter.name == name);
             let about = parameter.map_or_else(String::new, |p| format!("{}: {}", p.description, p.expected));
             let words = names::factor(Some(self.parameters()), &name);
-            let named = format!("{field}{words}");
-            let label = if removed.is_empty() { self.factor(&name) } else { named.clone() };
+            let label = if removed.is_empty() { self.factor(&name) } else { format!("{field}{words}") };
             let (mut text, error) = (self.value(&key, ""), self.error(&key));
-            let line = |ui: &mut Ui| {
+            let mut line = |ui: &mut Ui, of: Id| {
                 let width = (ui.available_width() - 100.0).clamp(120.0, 300.0);
                 // A long list wraps.
                 let edit = TextEdit::multiline(&mut text).id_salt(&key).desired_rows(1).desired_width(width);
                 let edit = ui.add(edit.return_key(None)).on_hover_text(&about);
-                ui::text::name(ui, &edit, &named);
+                let edit = if removed.is_empty() {
+                    ui::text::name(ui, &edit, &format!("{field}{words}"));
+                    edit
+                } else {
+                    edit.labelled_by(of)
+                };
                 let remove = ui::quiet(ui, Icon::Close, "", &format!("Remove {removed}{words}"));
                 (edit.changed(), remove.clicked())
             };
             let layout = Layout::left_to_right(Align::TOP).with_main_wrap(true);
             let row = Field::new(&label).column(LABELS).slot().error(&error);
-            let (changed, remove) = row.show(ui, |ui, _| ui.with_layout(layout, line).inner);
+            let (changed, remove) = row.show(ui, |ui, label| ui.with_layout(layout, |ui| line(ui, label)).inner);
             if changed {
                 self.type_value(&key, &text, typed);
             }
