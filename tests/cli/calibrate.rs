@@ -140,7 +140,7 @@ fn readings_of_other_programs() {
     };
     let gray = of(Channel::Gray);
     assert_eq!(gray.len(), 9);
-    for ((level, read), expected) in gray.iter().zip(&levels) {
+    for ((level, read), expected) in gray.iter().zip(levels[1..].iter().chain(&levels[..1])) {
         assert!((level - expected).abs() < 1e-12 && (read - luminance(*expected)).abs() < 1e-9, "{level} {read}");
     }
     assert!(of(Channel::Red).contains(&(0.0, luminance(0.0))), "black is black in every channel");

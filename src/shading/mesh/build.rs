@@ -6,11 +6,14 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::{
-    normals,
+    normals::newell,
     paint::{Coat, Paint, PaintedCorner},
-    triangles::Mesh,
+    triangles::{Mesh, Vertex},
 };
-use crate::system::checkpoint;
+use crate::{
+    shading::cubic::{NONE, join, root},
+    system::checkpoint,
+};
 
 /// The largest absolute coordinate of a mesh; it leaves room for products of several coordinates.
 pub const MAX_COORDINATE: f64 = 1e30;
@@ -129,7 +132,7 @@ impl Polygons {
         for corners in self.ranges() {
             if self.corners[corners.clone()].iter().all(|corner| self.normal(corner).is_none()) {
                 let normal = Some(self.normals.len() as u32);
-                self.normals.push(normals::newell(&self.places(corners.clone())).try_normalize());
+                self.normals.push(newell(&self.places(corners.clone())).try_normalize());
                 self.corners[corners].iter_mut().for_each(|corner| corner.normal = normal);
                 are_any = true;
             }
@@ -227,14 +230,14 @@ impl Polygons {
         for (face, range) in self.ranges().into_iter().enumerate() {
             checkpoint();
             let corners = self.places(range.clone());
-            normals.push(normals::newell(&corners));
+            normals.push(newell(&corners));
             let triangles = triangulated(&corners).into_iter();
             cut.extend(triangles.map(|triangle| (face, triangle.map(|k| range.start + k as usize))));
         }
         if normals.iter().all(|normal| *normal == DVec3::ZERO) {
             return Err("has no face with a nonzero area; expected at least one".to_owned());
         }
-        let (vertices, of_corners) = normals::vertices(self, &normals, crease_deg);
+        let (vertices, of_corners) = vertices(self, &normals, crease_deg);
         let triangles = cut.iter().map(|(_, corners)| corners.map(|at| of_corners[at])).collect();
         let mesh = Mesh { vertices, triangles, smooth: None, paint: None };
         if self.paint.is_empty() {
@@ -259,6 +262,91 @@ impl Mesh {
     }
 }
 
+/// Given normals at one site that differ by no more than this are merged, because files contain rounded normals.
+const SAME_DEG: f64 = 0.1;
+
+/// The number of a site's normals, newest first, with which another one is compared; this keeps fans of any size fast.
+const COMPARED: usize = 64;
+
+/// Returns the vertices of polygons whose faces have these unit normals, or zero without an area, and the vertex of each
+/// corner. Normals that were not given are averaged, split where faces meet at more than `crease_deg` degrees. A face
+/// counts once at each of its corners, as in Shoaff.
+fn vertices(polygons: &Polygons, faces: &[DVec3], crease_deg: f64) -> (Vec<Vertex>, Vec<u32>) {
+    let (Polygons { positions, corners, .. }, has_normals) = (polygons, polygons.has_normals());
+    // Corners of one group share their averaged normal.
+    let groups: Vec<u32> = if crease_deg >= 180.0 || polygons.has_all_normals() {
+        corners.iter().map(|corner| corner.site).collect()
+    } else {
+        fans(polygons, faces, crease_deg)
+    };
+    let count = corners.len().max(positions.len());
+    let (mut sums, mut last) = (vec![DVec3::ZERO; count], vec![NONE; count]);
+    for (face, range) in polygons.ranges().into_iter().enumerate() {
+        for group in &groups[range] {
+            if std::mem::replace(&mut last[*group as usize], face as u32) != face as u32 {
+                sums[*group as usize] += faces[face];
+            }
+        }
+    }
+    let least_cosine = SAME_DEG.to_radians().cos();
+    let mut vertices: Vec<Vertex> = Vec::with_capacity(positions.len());
+    // The newest vertex of each group or, with given normals, of each site; and the one before each vertex.
+    let (mut newest, mut before) = (vec![NONE; count], Vec::with_capacity(positions.len()));
+    let mut of_corners = Vec::with_capacity(corners.len());
+    for (face, range) in polygons.ranges().into_iter().enumerate() {
+        for (corner, group) in corners[range.clone()].iter().zip(&groups[range]) {
+            let averaged = || match sums[*group as usize] {
+                sum if sum.length() > 1e-9 => sum.normalize(),
+                // Faces that point in opposite directions have no mean normal, so each keeps its own. A face without
+                // area is never drawn, but needs some normal.
+                _ if faces[face] == DVec3::ZERO => DVec3::Z,
+                _ => faces[face],
+            };
+            let normal = polygons.normal(corner).unwrap_or_else(averaged);
+            let newest = &mut newest[if has_normals { corner.site } else { *group } as usize];
+            let older = |vertex: u32| (vertex != NONE).then_some(vertex);
+            let known = std::iter::successors(older(*newest), |vertex| older(before[*vertex as usize]));
+            let mut known = known.take(COMPARED).filter(|vertex| {
+                let other = vertices[*vertex as usize].normal;
+                if has_normals { other.dot(normal) >= least_cosine } else { other == normal }
+            });
+            of_corners.push(known.next().unwrap_or_else(|| {
+                before.push(std::mem::replace(newest, vertices.len() as u32));
+                vertices.push(Vertex { position: positions[corner.site as usize], normal, site: corner.site });
+                *newest
+            }));
+        }
+    }
+    (vertices, of_corners)
+}
+
+/// For each corner, returns the fan of faces around its site to which it belongs, identified by one of the fan's
+/// corners. A fan continues across every edge at which the faces meet at no more than `crease_deg` degrees, so the two
+/// faces at such an edge share the vertices at both of its ends.
+fn fans(polygons: &Polygons, faces: &[DVec3], crease_deg: f64) -> Vec<u32> {
+    // The tolerance keeps the two triangles of a flat quad together at 0°.
+    let least_cosine = crease_deg.max(0.0).to_radians().cos() - 1e-9;
+    let mut parent: Vec<u32> = (0..polygons.corners.len() as u32).collect();
+    let site = |corner: u32| polygons.corners[corner as usize].site;
+    let mut sides = polygons.sides();
+    // A face without area must not separate two others.
+    sides.retain(|side| faces[side.face as usize] != DVec3::ZERO);
+    // Compare only with the next side. At an edge of two faces, that is the only pair; at an edge of many, it keeps the
+    // cost linear.
+    for pair in sides.windows(2).filter(|pair| pair[0].edge == pair[1].edge) {
+        checkpoint();
+        let [a, b] = [0, 1].map(|k| faces[pair[k].face as usize]);
+        if a.dot(b) < least_cosine {
+            continue;
+        }
+        for own in pair[0].corners {
+            let theirs = pair[1].corners.into_iter().find(|other| site(*other) == site(own));
+            theirs.into_iter().for_each(|other| join(&mut parent, own, other));
+        }
+    }
+    (0..parent.len() as u32).map(|corner| root(&mut parent, corner)).collect()
+}
+
 /// Returns the triangles of a polygon as indices into its corners, in the polygon's own winding. There are always two
 /// fewer triangles than corners, and none for fewer than three corners. A convex polygon becomes a fan around its first
 /// corner. A concave polygon is cut ear by ear on its Newell plane, in time quadratic in the number of corners. A
@@ -281,7 +369,7 @@ const FLAT: f64 = 1e-12;
 
 /// Returns the corners on the Newell plane, counterclockwise and within −1…1; all zero if there is no such plane.
 fn flattened(corners: &[DVec3]) -> Vec<DVec2> {
-    let normal = normals::newell(corners);
+    let normal = newell(corners);
     if normal == DVec3::ZERO {
         return vec![DVec2::ZERO; corners.len()];
     }
