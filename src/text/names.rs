@@ -120,8 +120,9 @@ pub(crate) fn with_number<T: FromStr>(
     let number = |text: &str| text.parse().ok().filter(|number| range.contains(number));
     let parsed = text.split_once(':').and_then(|(name, of)| Some((name.parse().ok()?, number(of)?)));
     parsed.ok_or_else(|| {
-        let (all, first, least, most) = (names.join(", "), names[0], range.start(), range.end());
-        format!("{text:?} is not known; expected {all}, a colon and {least}…{most} {what}, such as {first}:{most}")
+        let (last, others) = names.split_last().unwrap_or((&"", names));
+        let (others, least, most) = (others.join(", "), range.start(), range.end());
+        format!("{text:?} is not known; expected {others} or {last}, a colon and {least}…{most} {what}, such as {last}:{most}")
     })
 }
 
