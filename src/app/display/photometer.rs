@@ -98,7 +98,7 @@ impl Method for Photometer {
             told: found.chain(notes).collect(),
             figure: Some(FigureView::new(figures::calibration(&calibration))),
             tables: figures::calibration_tables(&calibration).map(TableView::new).into(),
-            profile: refusal.is_none().then(|| DisplayProfile {
+            profile: refusal.is_none().then_some(DisplayProfile {
                 primaries,
                 bits,
                 screen_width_cm,
