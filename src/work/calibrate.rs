@@ -11,7 +11,7 @@ use crate::{
         DisplayProfile, LuminanceRange, Measurement,
         photometer::{Calibration, Family, largest_percent},
     },
-    store::readings,
+    store::{FileErrors, readings},
     text::names::one_of,
 };
 
@@ -69,11 +69,19 @@ impl Calibrate {
     /// # Errors
     /// The readings are not valid, or the light hardly rises at the top and no table is asked for.
     pub fn calibrate(&self, name: &str) -> anyhow::Result<Calibrated> {
-        let readings = readings::open(&self.readings)?;
-        let calibration = Calibration::new(&readings);
-        if let Some(message) = calibration.refusal(self.model) {
-            anyhow::bail!("{}: {message}", self.readings.display());
+        let made = self.fit(name)?;
+        match made.calibration.refusal(self.model) {
+            Some(message) => anyhow::bail!("{}: {message}", self.readings.display()),
+            None => Ok(made),
         }
+    }
+
+    /// Fits the models also to light that hardly rises at the top.
+    ///
+    /// # Errors
+    /// The readings are not valid.
+    pub fn fit(&self, name: &str) -> Result<Calibrated, FileErrors> {
+        let calibration = Calibration::new(&readings::open(&self.readings)?);
         let family = self.model.unwrap_or(calibration.chosen);
         let measured =
             Measurement { on: Some(self.on.unwrap_or_else(today)), by: self.by.clone(), with: Some(self.with.clone()) };

@@ -133,7 +133,7 @@ fn the_measured_size_of_the_screen_is_used_on_home() {
     type_into(&mut harness, "Screen width, cm", "30");
     type_into(&mut harness, "Viewing distance, cm", "57.3");
     // With 1000 pixels across 30 cm, viewed from 57.3 cm, a degree is a centimeter, or 33.3 pixels.
-    harness.get_by_label_contains("One degree is 1.00 cm, 33.3 pixels. The stimulus is 334 pixels wide.");
+    harness.get_by_label_contains("One degree is 1.00 cm, 33.3 pixels. The study's stimulus is 334 pixels wide.");
     type_into(&mut harness, "Viewing distance, cm", "200");
     // 10° needs 2 · 200 · tan 5° = 35.0 cm; the shorter side is 24 cm long.
     harness.get_by_label_contains("Enter a shorter distance");

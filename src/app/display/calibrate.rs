@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use eframe::egui::{self, Context, Ui, ViewportCommand};
+use eframe::egui::{self, Context, RichText, Ui, ViewportCommand};
 
 use crate::{
     app::{
         analysis::TableView,
         ui::{
-            Field, FileKind, Monitor, Saving, Step, figure::FigureView, hint, neutral_primary, note, paragraph,
-            secondary, section, show_error, today, tool_page,
+            Field, FileKind, Monitor, Saving, Step, figure::FigureView, hint, neutral_primary, paragraph, secondary,
+            section, show_error, theme::ink, today, tool_page,
         },
     },
     display::{Channel, DisplayProfile, Measurement, Viewing},
@@ -182,6 +182,7 @@ impl Tool {
                 _ => self.method.estimate(&self.channels()),
             };
             match &estimate {
+                Ok((count, seconds)) if *seconds < 60.0 => hint(ui, format!("{count} {items}, about {seconds:.0} s.")),
                 Ok((count, seconds)) => hint(ui, format!("{count} {items}, about {:.0} min.", (seconds / 60.0).ceil())),
                 Err(message) => show_error(ui, message),
             }
@@ -236,7 +237,8 @@ impl Tool {
                 paragraph(ui, secondary(self.path.trim()));
             }
             for (text, warns) in &found.told {
-                if *warns { note(ui, text) } else { paragraph(ui, text) }
+                let color = if *warns { ink(ui).warn } else { ink(ui).text };
+                paragraph(ui, RichText::new(text).color(color));
             }
             saved = found.profile.as_ref().and_then(|profile| form.show(ui, profile));
             ui.add_space(8.0);

@@ -88,16 +88,23 @@ impl Method for Photometer {
 
     fn read(&self, file: &Path, known: &DisplayProfile) -> Result<Findings, String> {
         let request = Calibrate::of(file.to_owned());
-        let made = request.calibrate("").map_err(|error| error.to_string())?;
+        let made = request.fit("").map_err(|errors| errors.to_string())?;
         let found = made.sentences().into_iter().map(|sentence| (sentence, false));
         let Calibrated { calibration, profile, .. } = made;
-        let notes = calibration.notes.iter().map(|note| (note.clone(), true));
+        let refusal = calibration.refusal(None);
+        let notes = calibration.notes.iter().chain(&refusal).map(|note| (note.clone(), true));
         let DisplayProfile { primaries, bits, screen_width_cm, native_px, .. } = known.clone();
         Ok(Findings {
             told: found.chain(notes).collect(),
             figure: Some(FigureView::new(figures::calibration(&calibration))),
             tables: figures::calibration_tables(&calibration).map(TableView::new).into(),
-            profile: Some(DisplayProfile { primaries, bits, screen_width_cm, native_px, ..profile }),
+            profile: refusal.is_none().then_some(DisplayProfile {
+                primaries,
+                bits,
+                screen_width_cm,
+                native_px,
+                ..profile
+            }),
             instrument: request.with,
         })
     }

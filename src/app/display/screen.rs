@@ -78,7 +78,7 @@ impl CheckedScreen {
             if let Err(error) = room(protocol, side, monitor.scale, "screen", screen) {
                 errors[0] = error + " Enter a shorter distance, or use a larger screen.";
             }
-            size.0 += &format!(" The stimulus is {side} pixels wide.");
+            size.0 += &format!(" The study's stimulus is {side} pixels wide.");
             size = viewing.coarseness(protocol.viewing.window_deg).map_or(size, |coarse| (coarse, true));
             stimulus_px = Some(side);
         }
