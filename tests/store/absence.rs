@@ -6,10 +6,13 @@ use std::{
     sync::atomic::{AtomicBool, Ordering},
 };
 
-use machband::store::{
-    export::{Choice, Exported, Format, export},
-    ratings::Listed,
-    session::repair,
+use machband::{
+    store::{
+        export::{Choice, Exported, Format, export},
+        ratings::{Listed, ReadOptions},
+        session::repair,
+    },
+    work::Study,
 };
 
 use crate::{
@@ -197,6 +200,9 @@ fn repair_leaves_a_file_that_another_program_saved_as_it_is() {
         let error = refused(scratch.path(), || repair(&csv)).to_string();
         assert!(error.contains("lines are damaged, as if another program had saved the file"), "{error}");
     }
+    // An analysis reads the UTF-16 text, but says that this is not the file that was sealed.
+    let warnings = Study::read(&[csv], &ReadOptions::default()).unwrap().source.warnings;
+    assert!(warnings.iter().any(|warning| warning.message.starts_with("was changed since")), "{warnings:?}");
 }
 
 /// What people do to the table by hand: no `sub-`, lower case, the line ends of an old spreadsheet. An export has the

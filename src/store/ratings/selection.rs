@@ -13,7 +13,13 @@ use super::{
 use crate::{
     experiment::{Factor, Protocol, SIMULATED, STIMULUS, columns_by_header},
     stimulus::is_direction,
-    store::{FileError, StoreError, file::exists, session::seal, sidecar::Sidecar, table::shortened},
+    store::{
+        FileError, StoreError,
+        file::exists,
+        session::{results, seal},
+        sidecar::Sidecar,
+        table::shortened,
+    },
     text::names::{expected_one_of, some_of},
 };
 
@@ -164,8 +170,8 @@ impl Input {
                 Err(error) => return Err(error),
             }
             if let Some(sidecar) = &sidecar {
-                // What had to be converted is not as it was sealed either, unless it was only packed.
-                changed = seal::compare(path, sidecar, header.content().bytes)?.differences;
+                // Not the content of the header, which may have been converted.
+                changed = seal::compare(path, sidecar, &results::content(path)?)?.differences;
                 match sidecar.protocol(&beside) {
                     Ok((found, error)) => {
                         changed.extend(error);

@@ -39,7 +39,7 @@ pub fn read(path: &Path, columns: &[Column]) -> Result<Vec<TrialRecord>, StoreEr
 ///
 /// # Errors
 /// I/O errors; or the file is too large.
-pub(super) fn content(path: &Path) -> Result<Vec<u8>, StoreError> {
+pub(in crate::store) fn content(path: &Path) -> Result<Vec<u8>, StoreError> {
     read_regular(path, MAX_FILE).map_err(io(path, "read"))
 }
 
