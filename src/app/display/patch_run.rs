@@ -14,6 +14,7 @@ use crate::{
         ui::{Monitor, Step, describe, number, paragraph, theme::ink},
     },
     display::photometer::{Patch, is_same_level},
+    report::names::capitalized,
     store::{StoreError, Writer, readings},
     system::found,
 };
@@ -154,7 +155,7 @@ impl PatchRun {
     fn accept(&mut self, at: usize, remaining_s: f64) -> Result<(), String> {
         let wrong = || format!("{:?} is not a luminance; expected cd/m², 0 or more, such as 12.3", self.entry.trim());
         let value = number(&self.entry).ok_or_else(wrong)?;
-        self.patches[at].reading(value).check().map_err(|(_, message)| message)?;
+        self.patches[at].reading(value).check().map_err(|(_, message)| capitalized(&message))?;
         if remaining_s > 0.0 {
             return Err("The patch has not settled yet. Read it again, then press Enter.".to_owned());
         }
