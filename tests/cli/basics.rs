@@ -67,6 +67,7 @@ fn wrong_usage_is_an_error_and_writes_nothing() {
         2: stimulus --out x.png --transfer srgb --display p.toml => --transfer excludes a display profile
         2: stimulus --out x.png --halftone clustered3:1 --bits 16 => --halftone: a halftone has its own bits
         2: stimulus --out x.png --halftone clustered3:1 --dither ordered => expected 8 bits and no dither
+        2: stimulus --out x.png --palette median-cut:257 => expected popularity or median-cut, a colon and 1…256 colors
         2: stimulus --out x.png --kind moire => moire";
     refuses(folder.path(), "{}", cases);
 }
