@@ -186,16 +186,17 @@ impl Studies {
     /// Chooses an experiment, by its name or its path. A distance that the user typed stays.
     pub fn choose_experiment(&mut self, name_or_path: String) {
         // A file that is named in two ways would be two studies.
-        self.form.experiment = match definition::built_in(Path::new(&name_or_path)) {
+        let chosen = match definition::built_in(Path::new(&name_or_path)) {
             Some(_) => name_or_path,
             None => ui::full(Path::new(&name_or_path)).display().to_string(),
         };
+        if chosen != self.form.experiment && self.form.screen.distance_cm == self.planned_cm {
+            self.form.screen.distance_cm.clear();
+        }
+        self.form.experiment = chosen;
         // Who was entered belongs to the definition.
         self.form.cell = Cell::first(&self.suggested);
         (self.selected, self.error) = (None, None);
-        if self.form.screen.distance_cm == self.planned_cm {
-            self.form.screen.distance_cm.clear();
-        }
     }
 
     /// Draws the studies to choose from.

@@ -97,7 +97,7 @@ impl Studies {
         let before = self.checked.as_ref().map(|(form, ..)| form);
         let moved =
             before.is_none_or(|form| form.experiment != self.form.experiment || form.results != self.form.results);
-        if moved || self.form.screen.distance_cm.is_empty() {
+        if moved {
             self.suggest();
         }
         let mut checked = self.form.check(monitor);
