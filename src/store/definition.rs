@@ -116,8 +116,9 @@ pub fn from_json(file: &str, definition: &Value) -> Result<Protocol, FileErrors>
     if written.shift_remove("schema") != Some(1.into()) {
         return Err(fail("the schema of the definition is missing or not 1; expected schema 1".to_owned()));
     }
-    protocol(written, None)
-        .map_err(|errors| FileErrors(errors.into_iter().flat_map(|error| fail(error.message).0).collect()))
+    protocol(written, None).map_err(|errors| {
+        FileErrors(errors.into_iter().flat_map(|error| fail(format!("definition: {}", error.message)).0).collect())
+    })
 }
 
 /// Writes a definition. `opened` is the text of the file when it was opened, if it was edited, and `None` for a new file.

@@ -45,7 +45,10 @@ pub fn parse(file: &str, text: &str) -> Result<Readings, FileErrors> {
     complete(
         file,
         match of_other_program(text) {
-            Some(found) => found.map_err(|message| FileErrors::whole(file, message))?,
+            Some(found) => found.map_err(|(line, message)| match line {
+                0 => FileErrors::whole(file, message),
+                _ => FileErrors::at(file, (line, 1), message),
+            })?,
             None => incomplete(file, text)?,
         },
     )
@@ -124,22 +127,22 @@ fn incomplete(file: &str, text: &str) -> Result<Vec<Reading>, FileErrors> {
 }
 
 /// Reads the readings of another program; `None` if the text is not one of these formats. Mixed colors are not readings of a
-/// channel and are left out.
-fn of_other_program(text: &str) -> Option<Result<Vec<Reading>, String>> {
+/// channel and are left out. An error has its line, or 0.
+fn of_other_program(text: &str) -> Option<Result<Vec<Reading>, (usize, String)>> {
     // Editors may put a mark before the first character.
     let text = text.trim_start_matches('\u{feff}');
     match text.split_whitespace().next()? {
         first if first.starts_with("CTI") || first.starts_with("CGATS") => Some(cgats(text)),
-        first if first.starts_with('{') => Some(psychopy(text)),
+        first if first.starts_with('{') => Some(psychopy(text).map_err(|message| (0, message))),
         _ if text.starts_with("# Created by Octave") => {
-            Some(Err("is a text file of Octave; expected one that was saved with save -v7".to_owned()))
+            Some(Err((0, "is a text file of Octave; expected one that was saved with save -v7".to_owned())))
         }
         _ => None,
     }
 }
 
 /// Reads a CGATS table with the fields `RGB_R`, `RGB_G`, `RGB_B` and `XYZ_Y`.
-fn cgats(text: &str) -> Result<Vec<Reading>, String> {
+fn cgats(text: &str) -> Result<Vec<Reading>, (usize, String)> {
     let lines = || (1..).zip(text.lines()).map(|(line, text)| (line, text.split_whitespace().collect::<Vec<&str>>()));
     // A second table describes something else.
     let table: Vec<_> = lines().take_while(|(_, words)| words.first() != Some(&"END_DATA")).collect();
@@ -152,26 +155,28 @@ fn cgats(text: &str) -> Result<Vec<Reading>, String> {
     for (line, words) in after("BEGIN_DATA").filter(|(_, words)| !words.is_empty()) {
         let value = |name: &str| {
             let place = fields.iter().position(|field| *field == name);
-            let place = place.ok_or_else(|| format!("has no field {name}; expected RGB_R, RGB_G, RGB_B, XYZ_Y"))?;
+            let lacking = || (0, format!("has no field {name}; expected RGB_R, RGB_G, RGB_B, XYZ_Y"));
+            let place = place.ok_or_else(lacking)?;
             let word = words.get(place).copied().unwrap_or_default();
-            let wrong = |_| format!("line {line}: {name} {word:?} is not a number; expected one such as 12.5");
+            let wrong = |_| (*line, format!("{name} {word:?} is not a number; expected one such as 12.5"));
             word.parse::<f64>().map_err(wrong)
         };
         rows.push(([value("RGB_R")?, value("RGB_G")?, value("RGB_B")?], value("XYZ_Y")?, *line));
     }
     if rows.is_empty() {
-        return Err("has no data; expected a table between BEGIN_DATA and END_DATA".to_owned());
+        return Err((0, "has no data; expected a table between BEGIN_DATA and END_DATA".to_owned()));
     }
     if table.len() == lines().take(table.len() + 1).count() {
-        return Err("ends within its data; expected END_DATA".to_owned());
+        return Err((0, "ends within its data; expected END_DATA".to_owned()));
     }
     if let Some(sets) = word("NUMBER_OF_SETS", 1).filter(|sets| *sets != rows.len().to_string()) {
-        return Err(format!("has {} rows of data; expected {sets}, as NUMBER_OF_SETS says", rows.len()));
+        return Err((0, format!("has {} rows of data; expected {sets}, as NUMBER_OF_SETS says", rows.len())));
     }
     let is_relative = word("NORMALIZED_TO_Y_100", 1).is_some_and(|word| word.contains("YES"));
     let white_cd_m2 = word("LUMINANCE_XYZ_CDM2", 2).and_then(|y| y.trim_matches('"').parse::<f64>().ok());
-    let lacks_white = "has luminances relative to white only; expected LUMINANCE_XYZ_CDM2 with that of white";
-    let scale = if is_relative { white_cd_m2.ok_or(lacks_white)? / 100.0 } else { 1.0 };
+    let lacking =
+        || (0, "has luminances relative to white only; expected LUMINANCE_XYZ_CDM2 with that of white".to_owned());
+    let scale = if is_relative { white_cd_m2.ok_or_else(lacking)? / 100.0 } else { 1.0 };
     let largest = rows.iter().flat_map(|(rgb, ..)| rgb).fold(0.0_f64, |most, value| most.max(*value));
     let full = if largest > 100.0 { 255.0 } else { 100.0 };
     let mut found = Vec::new();
@@ -185,7 +190,7 @@ fn cgats(text: &str) -> Result<Vec<Reading>, String> {
         };
         let level = rgb.into_iter().fold(0.0, f64::max) / full;
         let reading = Reading { channel, level, luminance_cd_m2: y * scale };
-        reading.check().map_err(|(_, message)| format!("line {line}: {message}"))?;
+        reading.check().map_err(|(_, message)| (line, message))?;
         found.push(reading);
     }
     // A chart of colors has a few patches of pure primaries, which are not a curve beside the grays.

@@ -161,6 +161,7 @@ fn readings_of_other_programs() {
         (&ti3[..ti3.len() - "END_DATA\n".len()], "expected END_DATA"),
         (&ti3.replace("SETS 19", "SETS 20"), "has 19 rows of data; expected 20"),
         (&ti3.replace("SETS 19", "SETS 1g"), "has 19 rows of data; expected 1g"),
+        (&ti3.replace("98 0 100 0", "98 0 1x 0"), "other:29:1: RGB_G \"1x\" is not a number"),
         ("{\"name\": {}}", "levelsPre"),
         ("{\"levelsPre\": [0, 255], \"lumsPre\": [[1, 9], [1, 3]]}", "the number of rows in lumsPre is 2"),
     ] {
