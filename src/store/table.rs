@@ -99,7 +99,8 @@ impl<'a> Row<'a> {
             return Err((Some(cell), "the cell contains a zero byte; expected text".to_owned()));
         }
         if self.is_torn() {
-            let message = "a cell goes on after its closing quote, in another line; expected quotes around whole cells";
+            let message =
+                "a cell continues after its closing quote, in another line; expected quotes around whole cells";
             return Err((None, message.to_owned()));
         }
         if is_utf8

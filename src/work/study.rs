@@ -88,7 +88,7 @@ impl Study {
             let told: Vec<String> = codes.iter().map(|(code, n)| format!("{code} ({})", count(*n, "rating"))).collect();
             let message = format!(
                 "{response}: {} {} far from the other values, or not a whole number as they are, as a code for a missing answer \
-                 or a mistake would be; expected that it is corrected or named as missing, or the names of all categories, \
+                 or a mistake would be; expected it to be corrected or named as missing, or the names of all categories, \
                  lowest first",
                 document::list(&told),
                 if codes.len() == 1 { "is" } else { "are" }

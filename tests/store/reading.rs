@@ -801,7 +801,7 @@ mod errors {
                 "subject_id,width,rating,note\nA,0.1,1,\"two\nlines\"\nA,0.1,2,\"x\nA,0.4,1,\"y\nA,0.4,3,\"z\" z\n",
                 with_factors(&["width"]),
                 &[
-                    "4:1: a cell goes on after its closing quote, in another line; expected quotes around whole cells",
+                    "4:1: a cell continues after its closing quote, in another line; expected quotes around whole cells",
                     "5:9: a quote is never closed; expected a closing quote",
                 ],
                 &["A 0.1 1 1", "A 0.4 3 1"],
