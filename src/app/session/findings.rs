@@ -187,7 +187,7 @@ fn geometry(
     };
     let origin = match known_cm {
         Some(cm) => format!("The screen is {cm:.1} cm wide."),
-        None => format!("The screen's width is unknown. {}.", monitor.assumption()),
+        None => format!("The screen's width is unknown; {width_cm:.1} cm is assumed. Measure it before a study."),
     };
     let (distance, per_degree) = (request.distance_cm, viewing.px_per_degree());
     let sentence = format!("{origin} At {distance} cm, one degree is {per_degree:.1} pixels.");
